@@ -158,7 +158,7 @@ def of_object(thing, scene):
         if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
             yield Finding("ray-visibility", name)
         return
-    is_blurred, own = scene.render.use_motion_blur, scene.sunfleck_settings
+    own = scene.sunfleck_settings
     bounces = own.all_bounces or own.bounces > 0
     said = {
         "grease-pencil": thing.type in {"GPENCIL", "GREASEPENCIL"},
@@ -169,7 +169,6 @@ def of_object(thing, scene):
         "visibility-changes": any(curve.data_path in HONOURED for curve in curves_of(thing)),
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
-        "motion-blur-off": is_blurred and not all(of_cycles(thing, blur, True) for blur in ("use_motion_blur", "use_deform_motion")),
         "adaptive-subdivision": any(getattr(modifier, "use_adaptive_subdivision", False) for modifier in thing.modifiers if modifier.show_render),
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:

@@ -51,7 +51,7 @@ LOSSES = {
     "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
     "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
     "shutter-changes": (WARNING, "how long the shutter is open does not change: it is exported as it is now"),
-    "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
+    "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest: centre the shutter on the frame"),
     # Lights.
     "light-power": (ERROR, "a light's power is negative"),
     "light-spread": (WARNING, "the spread of an area light is at least 0.01 radians"),

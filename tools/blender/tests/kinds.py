@@ -353,7 +353,7 @@ BESIDE = {
     "numbers of colours": (made.numbers_of_colours, 1, EXACT), "beyond one": (made.beyond_one, 1, EXACT),
     "generated": (made.generated, 1, BAKED), "shining colour": (made.shining_colour, 1, EXACT),
     "half mixed": (made.half_mixed, 1, EXACT), "open while it changes": (made.open_while_it_changes, 5, EXACT),
-    "open while light changes": (made.open_while_light_changes, 3, EXACT),
+    "open while light changes": (made.open_while_light_changes, 3, EXACT), "swung": (made.swung, 5, EXACT),
     "associated": (made.associated, 1, BAKED), "alpha asked for": (made.alpha_asked_for, 1, BAKED),
     "stained": (clear.stained, 1, EXACT), "flame": (clear.flame, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
     "rounded": (made.rounded, 1, BAKED),
@@ -396,7 +396,7 @@ SAID = {
     "one scattering": (made.one_scattering, "material-lost", "single-scattering"),
     "bent elsewhere": (made.bent_elsewhere, "material-lost", "normal-map-uv"),
     "of what bends": (made.of_what_bends, "material-lost", "depends-on-shape"),
-    "moving lamp": (made.moving_lamp, "light-blur"), "light of one bounce": (made.light_of_one_bounce, "light-bounces"),
+    "moving lamp": (made.swung_late, "light-blur"), "swung late": (made.swung_late, "motion-blur-off"), "light of one bounce": (made.light_of_one_bounce, "light-bounces"),
     "fog unseen": (lambda scene: surfaces.fog_box(scene, visible_camera=False), "ray-visibility"),
 }
 # What came after Blender 5.0.

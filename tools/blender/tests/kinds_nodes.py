@@ -189,6 +189,27 @@ def moving_lamp(scene):
     scene.render.use_motion_blur = True
 
 
+def swung(scene):
+    """Leaves on an arm that turns, while the sun does: straight in Cycles, or in so many steps, or not blurred."""
+    moving_lamp(scene)
+    arm = scenes.add(scene, "arm", None)
+    keyed(arm, "rotation_euler", ((0.0, -2.0, 0.0), (0.0, 2.0, 0.0)))
+    for number in range(5):
+        leaf = scene.objects[f"leaf {number}"]
+        leaf.parent, leaf.cycles.motion_steps = arm, 1 + number // 3
+        leaf.cycles.use_motion_blur, leaf.cycles.use_deform_motion = number != 1, number != 2
+        taper = leaf.modifiers.new("taper", "SIMPLE_DEFORM")
+        taper.deform_method = "TAPER"
+        keyed(taper, "factor", (-1.0, 2.0))
+    scene.render.motion_blur_shutter = 0.9
+
+
+def swung_late(scene):
+    """The shutter opens at the frame."""
+    swung(scene)
+    scene.render.motion_blur_position = "START"
+
+
 def lights_for_their_size(scene):
     """A wide sun, a lamp without a size, and an area that has none, which gives no light."""
     leaves(scene, matte())

@@ -93,7 +93,7 @@ class Leaves(Case):
 
 
 class Blur(Case):
-    """While the shutter is open things are where Blender has them, at any moment."""
+    """While the shutter is open things are where Blender has them, at any moment, with enough of Cycles' steps."""
 
     def check(self, name, build):
         scene = stages.stage()
@@ -102,6 +102,8 @@ class Blur(Case):
 
     def compare_open(self, name, scene):
         scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+        for thing in bpy.data.objects:
+            thing.cycles.motion_steps = 4
         file = self.exported(scene)
         # Of simulations there is nothing before the first frame.
         frames, worst = list(range(scene.frame_start + 1, scene.frame_end + 1)), 0.0

@@ -146,7 +146,6 @@ class Pictures(Case):
             "shadow-in-bounces": lambda: (setattr(thing, "visible_shadow", False), setattr(self.scene.sunfleck_settings, "bounces", 1), setattr(self.scene.sunfleck_settings, "all_bounces", False)),
             "visibility-changes": lambda: thing.keyframe_insert("visible_camera"),
             "ray-visibility": lambda: setattr(thing, "visible_glossy", False),
-            "motion-blur-off": lambda: (setattr(self.scene.render, "use_motion_blur", True), setattr(thing.cycles, "use_motion_blur", False)),
             "light-shadowless": lambda: setattr(sun.data, "use_shadow", False),
             "light-rays": lambda: setattr(sun, "visible_diffuse", False),
             "volume": lambda: scenes.add(self.scene, "smoke", bpy.data.volumes.new("smoke")),

@@ -44,10 +44,12 @@ class Capture:
         self.override = None
         # Objects with velocities have the frame's geometry at all moments of the frame.
         self.drifting, self.drifted, self.offset = {}, set(), 0.0
+        # What things show at the frame whose deformation is not blurred, and whether that counts now.
+        self.stiff, self.is_held = {}, False
 
-    def begin(self, graph, offset):
+    def begin(self, graph, offset, is_held):
         """Starts a new moment."""
-        self.here, self.offset = {}, offset
+        self.here, self.offset, self.is_held = {}, offset, is_held
         override = graph.view_layer.material_override
         self.override = override and override.original
         self.drifting = self.drifting if offset else {}
@@ -62,15 +64,23 @@ class Capture:
         that of its system."""
         self.size = abs(instance.matrix_world.determinant()) ** (1.0 / 3.0)
         if instance.show_self:
-            found = self.surface(thing, source)
+            found = self.at_frame(source, thing.data.name, lambda: self.surface(thing, source))
             if found is not None:
                 yield "", found
         if instance.show_particles and thing.particle_systems:
             for system in thing.particle_systems:
                 if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-                    found = self.hair(thing, source, system)
+                    found = self.at_frame(source, system.name, lambda: self.hair(thing, source, system))
                     if found is not None:
                         yield system.name, found
+
+    def at_frame(self, source, name, captured):
+        """What is captured now, or was at the frame if its deformation is not blurred."""
+        if source.bends:
+            return captured()
+        if not self.is_held or (source.names, name) not in self.stiff:
+            self.stiff[source.names, name] = captured()
+        return self.stiff[source.names, name]
 
     def surface(self, thing, source):
         """Index of an object's geometry and its materials; None for nothing."""

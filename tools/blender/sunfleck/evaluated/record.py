@@ -9,8 +9,10 @@ from typing import NamedTuple
 
 import numpy
 
+from ..film import of_cycles
 from ..materials import instances
 from .capture import Capture
+from .moments import steps_of
 from .volumes import Volumes
 
 # Curves, texts and metaballs are also among the instances as meshes.
@@ -23,6 +25,7 @@ KINDS = {
     "VOLUME": "VOLUME",
     "EMPTY": "EMPTY",
 }
+BLURRED = {"SURFACE", "CAMERA"}
 # Losses for these types, which nodes of a mesh may create too.
 SHAPES = {"GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
 
@@ -54,6 +57,9 @@ class Source:
 
     def __post_init__(self):
         self.names = (self.original.name_full, self.parent.name_full if self.parent else "")
+        owners = [one for one in (self.original, self.parent) if one]
+        self.steps = steps_of(*owners)
+        self.bends = self.steps > 0 and all(of_cycles(one, "use_deform_motion", True) for one in owners)
 
 
 class Here:
@@ -118,10 +124,12 @@ def kind_of(thing):
 class Record:
     """Grows during the walk."""
 
-    def __init__(self, library, watch, seconds_a_frame=0.0):
+    def __init__(self, library, watch, shutter, seconds_a_frame=0.0):
         """`library` knows the attributes of materials; `watch` gets all objects without a surface; for the
         last see `Capture`."""
         self.capture, self.watch, self.questions = Capture(library, seconds_a_frame), watch, library.questions()
+        # Names of objects that are not blurred, or whose deformation is not.
+        self.shutter, self.sharp = shutter, set()
         # Attributes that materials read from instances, and whether any may change.
         self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
         self.changes = not set(self.questions) <= instances.STILL
@@ -149,12 +157,16 @@ class Record:
         self.moments.append((frame, offset))
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
         here = Here(graph, ids, self.attributes)
-        self.capture.begin(graph, offset)
+        self.capture.begin(graph, offset, self.shutter.holds(offset, 0))
         rows = []
         for row, instance in enumerate(seen):
             self.heed()
             thing = instance.object
             source = here.source(instance, thing)
+            if not self.shutter.is_step(offset, source.steps):
+                continue
+            if source.kind in BLURRED and not source.bends:
+                self.sharp.add(source.original.name)
             if instance.show_self and thing.type in SHAPES:
                 is_splat = getattr(thing.data, "type", "POINTS") != "POINTS"
                 self.shapes.add(("point-splats" if is_splat else SHAPES[thing.type], source.original.name))
@@ -176,19 +188,20 @@ class Record:
 
     def add(self, key, seen, shown):
         """Adds an instance at this moment."""
-        found = self.things.get(key)
+        found, (frame, offset) = self.things.get(key), self.moments[-1]
         if found is None:
             name, source = seen.thing.name, seen.source
             found = self.things[key] = Thing(
                 f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent
             )
         is_new = not found.facts
-        if found.kind == "SURFACE" and (is_new or (self.changes and self.moments[-1][1] == 0.0)):
+        if found.kind == "SURFACE" and (is_new or (self.changes and offset == 0.0)):
             found.facts.append(instances.facts(seen.instance, seen.thing, self.questions, seen.here))
         else:
             found.facts += found.facts[-1:]
+        is_held = found.rows and self.moments[found.moments[-1]][0] == frame and self.shutter.holds(offset, seen.source.steps)
         found.moments.append(len(self.moments) - 1)
-        found.rows.append(self.first_rows[-1] + seen.row)
+        found.rows.append(found.rows[-1] if is_held else self.first_rows[-1] + seen.row)
         found.shown.append(shown)
 
     def places(self, thing):

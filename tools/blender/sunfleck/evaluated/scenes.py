@@ -12,7 +12,6 @@ from . import coincident, counts, walk
 from .assemble import Assembly
 from .moments import Clock, Shutter, frames, seconds_a_frame
 from .record import Record
-from .smoothness import Smoothness
 from .values import Values, of_fog
 
 
@@ -29,11 +28,12 @@ class Exported:
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
         self.findings += [] if coincident.is_whole(record) else [Finding("coincident-unknown")]
-        if assembly.shutter.length:
-            moving = {thing.name for thing in record.things.values() if record.is_moving_light(thing)}
-            self.findings += [Finding("light-blur", f"`{name}`") for name in sorted(moving | assembly.uncentred)]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
+        if not assembly.shutter.can_hold:
+            self.findings += [Finding("motion-blur-off", f"`{name}`") for name in sorted(record.sharp)]
+            moving = {thing.name for thing in record.things.values() if record.is_moving_light(thing)}
+            self.findings += [Finding("light-blur", f"`{name}`") for name in sorted(moving | assembly.uncentred)]
 
     def compared(self, file):
         """Expected counts by frame, and differences in the file."""
@@ -59,11 +59,11 @@ class Job:
 
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
-        self.library, self.values, self.shutter = Library(film.exposure(scene), only is not None), Values(scene), Shutter.of(scene)
+        self.library, self.shutter = Library(film.exposure(scene), only is not None), Shutter.of(scene, only is not None)
+        self.values = Values(scene, self.shutter)
         self.library.changes.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
-        self.record = Record(self.library, self.watch, blur_s)
-        self.is_smooth = Smoothness(self.record).is_enough
+        self.record = Record(self.library, self.watch, self.shutter, blur_s)
 
     def __enter__(self):
         # No datablock may be created while Blender steps through frames.

@@ -11,6 +11,7 @@ import numpy
 from .. import extras, film, fog
 from ..materials.library import custom
 from . import cameras, lights, thinning
+from .moments import steps_of
 
 # Tolerance relative to a value, above the 6e-8 of single precision.
 TOLERANCE = 1e-6
@@ -29,8 +30,8 @@ class View:
 class Values:
     """Values with their times."""
 
-    def __init__(self, scene):
-        self.scene, self.exposure = scene, film.exposure(scene)
+    def __init__(self, scene, shutter):
+        self.scene, self.shutter, self.exposure = scene, shutter, film.exposure(scene)
         self.lights, self.cameras = {}, {}
         # Custom properties of lights and fog at their first appearance.
         self.said = {}
@@ -41,8 +42,11 @@ class Values:
 
     def see_scene(self, graph, frame, offset):
         eye = self.scene.camera
-        if eye is not None and eye.type == "CAMERA":
-            self.views.append(View(frame + offset, eye, eye.evaluated_get(graph), self.scene))
+        if eye is not None and eye.type == "CAMERA" and self.shutter.is_step(offset, steps := steps_of(eye)):
+            view = View(frame + offset, eye, eye.evaluated_get(graph), self.scene)
+            if self.shutter.holds(offset, steps):
+                view.matrix = self.views[-1].matrix
+            self.views.append(view)
         own = graph.scene_eval.sunfleck_settings
         if own.use_fog and offset == 0.0:
             self.see(

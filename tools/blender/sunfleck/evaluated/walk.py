@@ -13,7 +13,7 @@ from typing import Protocol
 import bpy
 
 from . import simulations
-from .moments import Shutter
+from .moments import Shutter, steps_of
 
 # Render settings that interfere with the visit.
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
@@ -29,28 +29,23 @@ class Job(Protocol):
     def visit(self, graph: bpy.types.Depsgraph, frame: int, moment: float) -> None:
         """Visits the graph at a moment relative to a frame."""
 
-    def is_smooth(self) -> bool:
-        """Whether the last frame needs no more moments."""
-
 
 def look(
     engine: bpy.types.RenderEngine, graph: bpy.types.Depsgraph, frames: Sequence[int], shutter: Shutter, job: Job
 ) -> Iterator[int]:
     """Calls `job.visit(graph, frame, moment)` from within an engine. The frame itself comes first, in
-    order, as simulations require. Further moments of an open shutter follow until `job.is_smooth()`."""
+    order, as simulations require. Further moments of an open shutter follow."""
     scene = graph.scene
+    moments = shutter.moments(max((steps_of(id.original) for id in graph.ids if isinstance(id, bpy.types.Object)), default=1))
     is_simulated = simulations.any_in(scene)
     for frame in frames:
-        for number, moments in enumerate(shutter.rounds()):
-            if number > 1 and job.is_smooth():
-                break
-            for moment in moments:
-                # Simulations have no state before the first frame.
-                if is_simulated and frame + moment < scene.frame_start:
-                    continue
-                whole = math.floor(frame + moment)
-                engine.frame_set(whole, frame + moment - whole)
-                job.visit(graph, frame, moment)
+        for moment in moments:
+            # Simulations have no state before the first frame.
+            if is_simulated and frame + moment < scene.frame_start:
+                continue
+            whole = math.floor(frame + moment)
+            engine.frame_set(whole, frame + moment - whole)
+            job.visit(graph, frame, moment)
         yield frame
 
 
