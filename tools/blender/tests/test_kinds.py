@@ -112,6 +112,13 @@ class Said(Case):
         scenes.camera(scene)
         self.assertEqual(export.export(scene, self.folder / "scene.glb"), [])
 
+    def test_in_a_still_no_material_changes(self):
+        scene = kinds.stage()
+        kinds.surfaces.scrolled(scene)
+        for only, is_told in ((None, True), (scene.frame_current, False)):
+            warnings = export.export(scene, self.folder / "scene.glb", only)
+            self.assertEqual(any("material-changes" in warning for warning in warnings), is_told)
+
     def test_environments_of_squares_and_moved_ones_are_baked(self):
         scene = kinds.stage()
         scene.world = bpy.data.worlds.new("world")

@@ -59,7 +59,7 @@ class Job:
 
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
-        self.library, self.shutter = Library(film.exposure(scene), only is not None), Shutter.of(scene, only is not None)
+        self.library, self.shutter = Library(film.exposure(scene), only == scene.frame_current), Shutter.of(scene, only is not None)
         self.values = Values(scene, self.shutter)
         self.library.changes.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0

@@ -32,7 +32,7 @@ class Library:
     """Materials of a document."""
 
     def __init__(self, exposure=1.0, is_still=False):
-        # Factor on emission. In a still, movies show their current frame.
+        # Factor on emission. In a still, movies show their current frame, and nothing changes.
         self.exposure, self.is_still = exposure, is_still
         # Raises to cancel.
         self.heed = nobody
@@ -278,9 +278,9 @@ class Library:
                 yield Finding("material-glows", name)
             if look.losses:
                 yield Finding("material-lost", name, ", ".join(look.losses))
-            if not self.changes.is_told(material, bool(look.baked)):
+            if not (self.is_still or self.changes.is_told(material, bool(look.baked))):
                 yield Finding("material-changes", name)
-        for material in self.changes.watched:
+        for material in () if self.is_still else self.changes.watched:
             if any(map(self.is_shown, self.copies_of(material))):
                 yield Finding("material-changes", f"the material `{material.name}`")
 
