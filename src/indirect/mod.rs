@@ -38,6 +38,7 @@ use crate::math::Ray;
 use crate::scene::Bounces;
 use crate::snapshot::{Exposure, Snapshot, SurfacePoint};
 use glam::DVec3;
+use std::cell::LazyCell;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -119,14 +120,14 @@ impl Indirect {
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of its specular
     /// reflection.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
-        let world = snapshot.world_from_relative(point.position);
+        let world = LazyCell::new(|| snapshot.in_the_middle(point));
         let cos_eye = point.shine_normal.dot(point.to_eye).max(0.0);
         let of_dielectric = point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(cos_eye));
         let sent = point.albedo + point.transmission + of_dielectric[0] + of_dielectric[1];
         let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
         let gathered = |lobe: Lobe| match &leaf {
             Some(leaf) => leaf.gathered_by(&self.solved.field, &lobe, sent),
-            None => self.solved.field.gathered_by(world, &lobe),
+            None => self.solved.field.gathered_by(*world, &lobe),
         };
         let normal = point.shading_normal;
         let mut radiance = Rgb::ZERO;

@@ -109,6 +109,7 @@ impl<'scene> Contents<'scene> {
             sky: self.sky,
             // A backdrop is part of a file and does not change.
             backdrop: self.scene.backdrop.as_ref().and_then(|backdrop| FrozenSky::new(backdrop, 0.0)),
+            middle: Arc::default(),
             motion: None,
             mattes: None,
             seen_fog: OnceLock::new(),

@@ -5,6 +5,7 @@
 //! Moments are frozen on first use: the solution of higher orders, which comes before, has the memory until
 //! then.
 
+use super::middle::Middle;
 use super::moment::shining;
 use super::still::Still;
 use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
@@ -105,16 +106,20 @@ impl<'scene> Exposure<'scene> {
         let started = Clock::now();
         let is_shared = self.times_s.len() > 1;
         let still = is_shared.then(|| Still::of(self.scene)).flatten();
-        let freeze = |&time_s: &f64| {
+        let freeze = |&time_s: &f64, middle: &Arc<Middle>| {
             let instant = Instant { time_s, frame_s: self.middle_s, still: still.as_ref() };
             let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);
-            Snapshot { motion: self.motion.clone(), mattes: self.mattes.clone(), ..snapshot }
+            let (motion, mattes) = (self.motion.clone(), self.mattes.clone());
+            Snapshot { middle: Arc::clone(middle), motion, mattes, ..snapshot }
         };
         let middle = self.times_s.len() / 2;
         // The middle first: the others share trees that it builds.
-        let of_middle = freeze(&self.times_s[middle]);
-        let [before, after] = [&self.times_s[..middle], &self.times_s[middle + 1..]]
-            .map(|times_s| times_s.par_iter().map(freeze));
+        let of_middle = freeze(&self.times_s[middle], &Arc::default());
+        let [before, after] = [&self.times_s[..middle], &self.times_s[middle + 1..]];
+        let places = if is_shared { Middle::of(&of_middle, still.as_ref()) } else { Middle::default() };
+        let places = Arc::new(places);
+        let [before, after] =
+            [before, after].map(|times_s| times_s.par_iter().map(|time_s| freeze(time_s, &places)));
         let moments = before.chain(rayon::iter::once(of_middle)).chain(after).collect();
         Frozen { moments, took: started.elapsed() }
     }

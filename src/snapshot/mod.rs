@@ -13,6 +13,7 @@ mod lens;
 mod luminaire;
 mod mesh_parts;
 mod mesh_trees;
+mod middle;
 mod moment;
 mod motion_field;
 mod placed_mesh;
@@ -29,6 +30,7 @@ use crate::color::Rgb;
 use crate::fog::Medium;
 use crate::scene::{Material, RenderSettings, Scene};
 use glam::{DAffine3, DVec3};
+use middle::Middle;
 use moment::{Moment, Placed, shining};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -111,6 +113,8 @@ pub struct Snapshot<'scene> {
     pub sky: Option<FrozenSky<'scene>>,
     /// Sky that the camera sees instead.
     pub backdrop: Option<FrozenSky<'scene>>,
+    /// Where things that move are in the middle of the shutter, at its other moments.
+    middle: Arc<Middle>,
     /// Motion of surfaces, if it is requested.
     pub motion: Option<Arc<MotionField>>,
     /// Cryptomatte ids of the scene's instances, if they are requested.

@@ -2,13 +2,15 @@
 //! to them: each ray with draws of its own, and each slice.
 
 use crate::checkout;
-use glam::{DAffine3, DVec3};
+use crate::common::camera_at;
+use crate::indirect::{EVEN_SKY, add_box};
+use glam::{DAffine3, DQuat, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
-    Aperture, Extend, Key, LightKind, Motion, PixelFilter, Rotation, Sampling, Scene, Segment, Size, SunDisc,
-    Track, Window,
+    Aperture, Bounces, Extend, Key, LightKind, Material, Motion, PixelFilter, Rotation, Sampling, Scene,
+    Segment, Size, Sky, SunDisc, Track, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::{description, scene};
@@ -77,9 +79,17 @@ fn many_leaves_have_fewer_moments() {
 }
 
 fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, method: Method) -> Frame {
+    rendered(scene, shutter, &job(samples, seed, method))
+}
+
+fn rendered(scene: &Scene, shutter: Shutter, job: &Job) -> Frame {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);
-    let job = Job {
+    render(&exposure, job, &Watch::NOBODY).frame
+}
+
+fn job(samples: u32, seed: u32, method: Method) -> Job {
+    Job {
         size: SIZE,
         window: Window::whole(SIZE),
         passes: vec![],
@@ -87,10 +97,9 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, method: Met
         filter: PixelFilter::Box,
         seed,
         mirror_depth: crate::common::EXACT.mirror_depth,
-        bounces: sunfleck::scene::Bounces::NONE,
+        bounces: Bounces::NONE,
         method,
-    };
-    render(&exposure, &job, &Watch::NOBODY).frame
+    }
 }
 
 fn colours(frame: &Frame) -> Vec<f64> {
@@ -143,6 +152,28 @@ fn leaves_that_fly_past_blur_as_well_as_by_rays() {
             .map(|(samples, seed, method)| colours(&picture(&scene, HALF_A_SECOND, samples, seed, method)));
     let (slices, rays) = (mean_square(&slices, &truth), mean_square(&rays, &truth));
     assert!(slices < 1.5 * rays, "{slices:e} {rays:e}");
+}
+
+/// A white box in a furnace is not seen, also while it comes nearer: its light is of where it is in the middle,
+/// and half of the time its front is within the box of that moment.
+#[test]
+fn what_moves_is_lit_from_outside() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let white = Material { base_color: Rgb::ONE, ..Material::default() };
+    add_box(&mut scene, DVec3::new(-1.0, -1.0, -7.0), DVec3::new(1.0, 1.0, -5.0), white);
+    scene.sky = Sky::new(EVEN_SKY);
+    let key = |time_s: f64| Key { time_s, value: time_s * DVec3::Z, to_next: Segment::Linear };
+    let node = scene.instances[0].node;
+    scene.nodes[node].motion = Motion::Keyed {
+        translation: Track::new(vec![key(-1.0), key(1.0)], Extend::Hold).expect("good keys"),
+        rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+        scale: DVec3::ONE.into(),
+    };
+    let job = Job { bounces: Bounces::All, ..job(16, 0, Method::Segments) };
+    let seen = colours(&rendered(&scene, HALF_A_SECOND, &job));
+    let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+    println!("a white box that comes nearer: {mean:.4}");
+    assert!((mean - 1.0).abs() < 0.01, "{mean}");
 }
 
 #[test]
