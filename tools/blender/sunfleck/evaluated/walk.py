@@ -36,7 +36,7 @@ def look(
     """Calls `job.visit(graph, frame, moment)` from within an engine. The frame itself comes first, in
     order, as simulations require. Further moments of an open shutter follow."""
     scene = graph.scene
-    moments = shutter.moments(max((steps_of(id.original) for id in graph.ids if isinstance(id, bpy.types.Object)), default=1))
+    moments = shutter.moments(max(map(steps_of, bpy.data.objects), default=1))
     is_simulated = simulations.any_in(scene)
     for frame in frames:
         for moment in moments:
