@@ -19,6 +19,7 @@ pub(super) struct Middle {
 }
 
 impl Middle {
+    /// Places of all that moves, from the snapshot of the middle.
     pub(super) fn of(snapshot: &Snapshot, still: Option<&Still>) -> Self {
         let places = snapshot.placed.iter().enumerate().filter_map(|(number, placed)| {
             let mut world_from_mesh = snapshot.relative_from_mesh(number);
