@@ -8,6 +8,11 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+/// Room for a file of `LARGE` or more, of which its bytes alone take memory. Once a block of up to 32 MB has
+/// been freed, glibc keeps later ones up to its size (`M_MMAP_THRESHOLD` in mallopt(3)), such as films.
+const ROOM: usize = (32 << 20) + 1;
+const LARGE: usize = 1 << 20;
+
 /// Reads files and hashes their contents.
 #[derive(Default)]
 pub struct Files {
@@ -38,7 +43,11 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let out_of_memory =
         |_| io::Error::new(ErrorKind::OutOfMemory, "it is larger than the memory that can be had");
-    bytes.try_reserve_exact(file.limit() as usize).map_err(out_of_memory)?;
+    let room = |length: usize| if length < LARGE { length } else { length.max(ROOM) };
+    // Under a limit of memory there may be no such room.
+    if bytes.try_reserve_exact(room(file.limit() as usize)).is_err() {
+        bytes.try_reserve_exact(file.limit() as usize).map_err(out_of_memory)?;
+    }
     file.read_to_end(&mut bytes)?;
     Ok(bytes)
 }

@@ -24,7 +24,7 @@ pub enum GridFile {
     /// Decoded grids.
     Read(Arc<[Grid]>),
     /// Bytes of the file.
-    Packed(Vec<u8>),
+    Packed(Box<[u8]>),
 }
 
 impl GridFile {
@@ -55,7 +55,7 @@ pub fn load_files(path: &Path, referrer: &str, files: &mut Files) -> Result<Grid
                 let path = numbered.file(number);
                 let bytes = files.read(&path, Some(referrer))?;
                 parse(&bytes, &path)?;
-                Ok(Arc::new(GridFile::Packed(bytes)))
+                Ok(Arc::new(GridFile::Packed(bytes.into())))
             };
             (first, numbers.map(packed).collect::<Result<_, LoadError>>()?)
         }
