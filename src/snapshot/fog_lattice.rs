@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::Size;
 use glam::{DVec2, DVec3};
 
-/// Distance between rays, pixels; larger where there would be too many.
-const SPACING_PX: f64 = 1.5;
+/// Distance beyond the fog and the film that the lattice covers, pixels.
+const BEYOND_PX: f64 = 1.5;
 /// Distance between planes, in voxels and in optical depth.
 const STEP_VOXELS: f64 = 2.0;
 const STEP_DEPTH: f64 = 0.2;
@@ -25,17 +25,19 @@ pub(super) struct FogLattice {
     start_m: f64,
     step_m: f64,
     pub(super) steps: usize,
-    /// Whether a larger memory limit would make it no finer.
-    pub(super) is_finest: bool,
 }
 
 /// Rays around a place on the film, with their weights.
 pub(super) type Between = [(usize, f32); 4];
 
 impl FogLattice {
-    /// Lattice with so many numbers at each place, and about `most` in all; `None` if there is no fog in the
-    /// picture, or too much.
-    pub(super) fn of(snapshot: &Snapshot, size: Size, (numbers, most): (usize, f64)) -> Option<Self> {
+    /// Lattice with so many numbers at each place, and about `most` in all, or rays at the distance
+    /// `closest_px`; `None` if there is no fog in the picture, or too much.
+    pub(super) fn of(
+        snapshot: &Snapshot,
+        size: Size,
+        (numbers, most, closest_px): (usize, f64, f64),
+    ) -> Option<Self> {
         let (view, medium) = (snapshot.view, &snapshot.medium);
         let (mut start_m, mut end_m) = (f64::INFINITY, 0.0_f64);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -59,11 +61,13 @@ impl FogLattice {
             return None;
         }
         let px = DVec2::new(size.width as f64, size.height as f64).recip();
-        let count = ((high - low) / (SPACING_PX * px)).element_product() * (steps + 1.0) * numbers as f64;
-        let spacing = SPACING_PX * (count / most).sqrt().max(1.0) * px;
-        // One more on each side, as some samples of the outermost pixels lie beyond them.
-        let (first, last) = ((low / spacing).floor() - 1.0, (high / spacing).ceil() + 1.0);
-        let is_finest = count <= most;
+        let area_px = ((high - low) / px + 2.0 * BEYOND_PX).element_product();
+        let by_pixel = area_px * (steps + 1.0) * numbers as f64;
+        let spacing_px = (by_pixel / most).sqrt().max(closest_px);
+        let spacing = spacing_px * px;
+        // More on each side, as some samples of the outermost pixels lie beyond them.
+        let more = (BEYOND_PX / spacing_px).ceil();
+        let (first, last) = ((low / spacing).floor() - more, (high / spacing).ceil() + more);
         let count = last - first + 1.0;
         Some(Self {
             view,
@@ -74,7 +78,6 @@ impl FogLattice {
             start_m,
             step_m: (end_m - start_m) / steps,
             steps: steps as usize,
-            is_finest,
         })
     }
 

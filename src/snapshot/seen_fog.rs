@@ -1,7 +1,7 @@
 //! Fog of voxels along camera rays. In go a snapshot and the size of a picture, out come optical depths and
 //! in-scattered light. A lattice of camera rays has prefix sums of optical depth and of suns' scattered light
-//! by step, of which lit intervals take differences. Invariant: depths along its rays are exact at steps.
-//! Between these all is linear, with an error within a tolerance.
+//! by step, of which lit intervals take differences. Invariant: depths along its rays are exact at steps, to
+//! a 65,535th of the ray's whole. Between these all is linear, with an error within a tolerance.
 
 use super::fog_lattice::{Between, FogLattice};
 use super::{FrozenLight, Snapshot};
@@ -12,14 +12,20 @@ use crate::scene::Size;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Maximum root mean square error of a ray between those of the lattice: of transmittance, and of sunlight
+/// Wanted root mean square error of a ray between those of the lattice: of transmittance, and of sunlight
 /// relative to its own root mean square.
-const TOLERANCE: f64 = 0.02;
-/// Maximum number of values of a lattice: 64 MB.
+const WANTED: f64 = 0.005;
+/// Number of values of a first lattice, 2 MB, whose error tells how many the second needs.
+const FIRST_NUMBERS: f64 = (1 << 20) as f64;
+/// Minimum distance of its rays, pixels.
+const FIRST_SPACING_PX: f64 = 1.5;
+/// Margin of the second one's number, as errors of edges fall more slowly.
+const MARGIN: f64 = 1.5;
+/// Maximum number of values, 32 MB, and maximum error where these would be too few.
 const MOST_NUMBERS: f64 = (1 << 24) as f64;
-/// Number of values of a coarse lattice, 16 MB, which suffices with an error below `TOLERANCE_OF_FEW`.
-const FEW_NUMBERS: f64 = (1 << 22) as f64;
-const TOLERANCE_OF_FEW: f64 = 0.005;
+const TOLERANCE: f64 = 0.02;
+/// Number of parts of a ray's whole: two bytes a value, as in `math::VoxelDepths`.
+const PARTS: f64 = u16::MAX as f64;
 /// Minimum cosine between a point of a sun's disc and its centre, for which light was computed: a degree.
 const NEAR: f64 = 0.999_85;
 
@@ -32,9 +38,11 @@ pub struct SeenFog {
     g: f64,
     /// Number of channels that differ: 1 or 3.
     channels: usize,
-    /// Values by ray, then step, then quantity, then channel. Quantities are optical depth, and for each sun
-    /// the scattered light without the phase function.
-    numbers: Vec<f32>,
+    /// Values by ray, then step, then quantity, then channel, in parts of the value behind all fog. Quantities
+    /// are optical depth, and for each sun the scattered light without the phase function.
+    parts: Vec<u16>,
+    /// What a part stands for, by ray, then quantity, then channel.
+    of_part: Vec<f32>,
 }
 
 impl SeenFog {
@@ -57,24 +65,29 @@ impl SeenFog {
         let are_grey = medium.banks().iter().all(|bank| is_grey(bank.sigma_t) && is_grey(bank.sigma_s));
         let channels = if are_grey { 1 } else { 3 };
         let of_step = channels * (1 + suns.len());
-        let on = |most: f64| {
-            let lattice = FogLattice::of(snapshot, size, (of_step, most))?;
+        let on = |most: f64, closest_px: f64| {
+            let lattice = FogLattice::of(snapshot, size, (of_step, most, closest_px))?;
             Some(Self::on(lattice, snapshot, (&suns, g, channels)))
         };
-        let few = on(FEW_NUMBERS)?;
-        if few.lattice.is_finest || few.error() <= TOLERANCE_OF_FEW {
-            return (few.error() <= TOLERANCE).then_some(few);
+        let first = on(FIRST_NUMBERS, FIRST_SPACING_PX)?;
+        let error = first.error();
+        if error <= WANTED {
+            return Some(first);
         }
-        drop(few);
-        on(MOST_NUMBERS).filter(|fog| fog.error() <= TOLERANCE)
+        // Between rays the error goes as their distance squared.
+        let needed = MARGIN * error / WANTED * first.parts.len() as f64;
+        drop(first);
+        on(needed.min(MOST_NUMBERS), 0.0).filter(|fog| fog.error() <= TOLERANCE)
     }
 
     /// Fog on a lattice, lit by suns.
     fn on(lattice: FogLattice, snapshot: &Snapshot, (suns, g, channels): (&[DVec3], f64, usize)) -> Self {
         let (medium, of_step) = (&snapshot.medium, channels * (1 + suns.len()));
         let of_ray = of_step * (lattice.steps + 1);
-        let mut numbers = vec![0.0_f32; lattice.columns * lattice.rows * of_ray];
-        numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
+        let rays = lattice.columns * lattice.rows;
+        let (mut parts, mut of_part) = (vec![0; rays * of_ray], vec![0.0; rays * of_step]);
+        let by_ray = parts.par_chunks_mut(of_ray).zip(of_part.par_chunks_mut(of_step));
+        by_ray.enumerate().for_each(|(number, (parts, of_part))| {
             let ray = lattice.ray(number);
             // Steps are clamped to the fog's range, as its density may be anything at the ends.
             let (enter, leave) = medium.range(&ray, f64::INFINITY).unwrap_or_default();
@@ -82,9 +95,14 @@ impl SeenFog {
             let places = with_middles(&steps.collect::<Vec<f64>>());
             let before = medium.before_each(&ray, &places);
             let mut put = |quantity: usize, values: &[Rgb]| {
-                for (step, value) in numbers.chunks_exact_mut(of_step).zip(values.iter().step_by(2)) {
-                    let value = value.to_array().map(|channel| channel as f32);
-                    step[channels * quantity..][..channels].copy_from_slice(&value[..channels]);
+                for channel in 0..channels {
+                    let at = channels * quantity + channel;
+                    let part = values.last().map_or(0.0, |whole| whole[channel]) / PARTS;
+                    of_part[at] = part as f32;
+                    for (step, value) in parts.chunks_exact_mut(of_step).zip(values.iter().step_by(2)) {
+                        // On a ray without fog 0 / 0, which is cast to 0.
+                        step[at] = (value[channel] / part).round() as u16;
+                    }
                 }
             };
             let depths = before.depths();
@@ -93,7 +111,7 @@ impl SeenFog {
                 put(1 + sun, &before.sunlight(*to_light, &depths));
             }
         });
-        Self { lattice, suns: suns.to_vec(), g, channels, numbers }
+        Self { lattice, suns: suns.to_vec(), g, channels, parts, of_part }
     }
 
     /// Root mean square error of a ray between those of the lattice. Where values are smooth it is a third of
@@ -127,15 +145,14 @@ impl SeenFog {
     }
 
     fn number(&self, ray: usize, step: usize, quantity: usize) -> f32 {
-        let step = ray * (self.lattice.steps + 1) + step;
-        self.numbers[step * self.of_step() + quantity * self.channels]
+        let (of_step, at) = (self.of_step(), quantity * self.channels);
+        let part = self.parts[(ray * (self.lattice.steps + 1) + step) * of_step + at];
+        self.of_part[ray * of_step + at] * f32::from(part)
     }
 
     /// A camera ray through it.
     pub fn along<'a>(&'a self, ray: &'a Ray) -> SeenRay<'a> {
-        let of_ray = self.of_step() * (self.lattice.steps + 1);
-        let between = self.lattice.between(ray).map(|(ray, weight)| (of_ray * ray, weight));
-        SeenRay { fog: self, ray, between }
+        SeenRay { fog: self, ray, between: self.lattice.between(ray) }
     }
 }
 
@@ -150,22 +167,22 @@ fn with_middles(places: &[f64]) -> Vec<f64> {
 pub struct SeenRay<'a> {
     fog: &'a SeenFog,
     ray: &'a Ray,
-    /// Start of the values of the rays around it, and their weights.
+    /// The rays around it, and their weights.
     between: Between,
 }
 
 impl SeenRay<'_> {
     /// A quantity up to a place, which is given in steps.
     fn before(&self, step: f64, quantity: usize) -> Rgb {
-        let SeenFog { lattice, channels, numbers, .. } = self.fog;
+        let SeenFog { lattice, channels, parts, of_part, .. } = self.fog;
         let first = (step as usize).min(lattice.steps - 1);
         let (later, of_step) = ((step - first as f64) as f32, self.fog.of_step());
         let channel = |channel: usize| {
-            let at = first * of_step + quantity * channels + channel;
-            let mut sum = 0.0;
-            for &(start, weight) in &self.between {
-                let (here, next) = (numbers[start + at], numbers[start + at + of_step]);
-                sum += weight * (here + later * (next - here));
+            let (at, mut sum) = (quantity * channels + channel, 0.0);
+            for &(ray, weight) in &self.between {
+                let start = (ray * (lattice.steps + 1) + first) * of_step + at;
+                let [here, next] = [start, start + of_step].map(|at| f32::from(parts[at]));
+                sum += weight * of_part[ray * of_step + at] * (here + later * (next - here));
             }
             f64::from(sum)
         };
