@@ -1,5 +1,6 @@
 """`peers` with fog by an OpenVDB file: other renderers get the same grid."""
 
+import re
 import shutil
 import tempfile
 import unittest
@@ -57,8 +58,11 @@ class Grids(unittest.TestCase):
         with self.assertRaisesRegex(SceneError, "grids of density and albedo alone"):
             read_scene(scene, program=PROGRAM)
 
-    def check(self, renderer: str, samples: int) -> None:
-        ours, theirs = test_peers.Rendered.both(self, self.scene("a.vdb", "a.vdb"), renderer, samples, 64)
+    def check(self, renderer: str, samples: int, **changed: str) -> None:
+        scene = self.scene("a.vdb", "a.vdb")
+        for field, value in changed.items():
+            scene.write_text(re.sub(rf"{field}: \([^()]*\)", f"{field}: {value}", scene.read_text()))
+        ours, theirs = test_peers.Rendered.both(self, scene, renderer, samples, 64)
         self.assertGreater(np.abs(ours - np.median(ours, axis=(0, 1))).max(), 0.1 * ours.mean())
         blocks = [picture[:24].reshape(4, 6, 6, 8, 3).mean(axis=(1, 3)) for picture in (ours, theirs)]
         off = np.abs(blocks[0] - blocks[1]).mean() / ours.mean()
@@ -73,6 +77,18 @@ class Grids(unittest.TestCase):
     @unittest.skipUnless(_is_there("mitsuba") and _is_there("bpy"), "mitsuba or bpy is not installed")
     def test_mitsuba(self):
         self.check("mitsuba-scalar", 256)
+
+    @unittest.skipUnless(_is_there("mitsuba") and _is_there("bpy"), "mitsuba or bpy is not installed")
+    def test_mitsuba_has_fog_over_a_ground_in_its_face(self):
+        from sunfleck_tools.peers import mitsuba
+        from sunfleck_tools.peers.mitsuba_grids import _dense
+
+        mitsuba.select("scalar_rgb")
+        fog = read_scene(self.scene("a.vdb", "a.vdb"), program=PROGRAM).fog
+        low_m = _dense(fog)[2][1, 3]
+        down = {"position_m": "(2, 4, 6)", "look_at_m": "(0.6, 0, 3.5)"}
+        # In place of its turn the grid moves down, until its box ends in the ground.
+        self.check("mitsuba-scalar", 256, rotation_deg=f"(0, 0, 0), translation_m: (0, {-low_m}, 0)", **down)
 
     @unittest.skipUnless(_is_there("mitsuba") and not _is_there("bpy"), "mitsuba is not installed alone")
     def test_mitsuba_alone_says_what_it_needs(self):

@@ -4,7 +4,7 @@ import mitsuba as mi
 import numpy
 
 from ..errors import SceneError
-from .scene import Fog
+from .scene import FOG_GROWTH, Fog
 
 CUBE_FROM_UNIT = numpy.array([[2, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0, 0, 1]], float)
 
@@ -33,7 +33,7 @@ def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
         "albedo": even if albedos is None else volume(albedos, fog.albedo),
         "phase": {"type": "hg", "g": fog.anisotropy},
     }
-    return world_from_unit @ numpy.linalg.inv(CUBE_FROM_UNIT), medium
+    return world_from_unit @ numpy.linalg.inv(CUBE_FROM_UNIT) @ FOG_GROWTH, medium
 
 
 def _dense(fog: Fog) -> tuple[numpy.ndarray, numpy.ndarray | None, numpy.ndarray]:
