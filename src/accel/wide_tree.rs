@@ -9,6 +9,7 @@ use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use std::ops::RangeInclusive;
 
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -188,8 +189,8 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     // when the stack is full.
     tree.max_depth = tree.max_depth.max(depth(&tree) + 1);
     reinsertion.run(&mut tree, 0.1, None);
-    let bounds = tight_bounds(&tree, boxes);
-    BinaryTree { tree, bounds }
+    let (bounds, leaves) = summed_up(&tree, boxes);
+    BinaryTree { tree, bounds, leaves }
 }
 
 /// Number of nodes on the longest path from the root to a leaf.
@@ -207,8 +208,8 @@ fn depth(tree: &Bvh2) -> usize {
     deepest
 }
 
-/// Bounds of the `boxes` below each node.
-fn tight_bounds(tree: &Bvh2, boxes: &[Bounds]) -> Vec<Bounds> {
+/// Bounds of the `boxes` below each node, and the number of leaves there.
+fn summed_up(tree: &Bvh2, boxes: &[Bounds]) -> (Vec<Bounds>, Vec<u32>) {
     let mut parents_first = vec![0];
     let mut next = 0;
     while let Some(&node) = parents_first.get(next) {
@@ -218,24 +219,27 @@ fn tight_bounds(tree: &Bvh2, boxes: &[Bounds]) -> Vec<Bounds> {
         }
         next += 1;
     }
-    let mut bounds = vec![Bounds::EMPTY; tree.nodes.len()];
+    let (mut bounds, mut leaves) = (vec![Bounds::EMPTY; tree.nodes.len()], vec![1; tree.nodes.len()]);
     for index in parents_first.into_iter().rev() {
         let node = &tree.nodes[index];
         let first = node.first_index as usize;
-        bounds[index] = if node.is_leaf() {
+        if node.is_leaf() {
             let primitives = &tree.primitive_indices[first..first + node.prim_count as usize];
-            primitives.iter().fold(Bounds::EMPTY, |all, primitive| all.union(boxes[*primitive as usize]))
+            let boxes = primitives.iter().map(|primitive| boxes[*primitive as usize]);
+            bounds[index] = boxes.fold(Bounds::EMPTY, Bounds::union);
         } else {
-            bounds[first].union(bounds[first + 1])
-        };
+            bounds[index] = bounds[first].union(bounds[first + 1]);
+            leaves[index] = leaves[first] + leaves[first + 1];
+        }
     }
-    bounds
+    (bounds, leaves)
 }
 
-/// A tree as the builder returns it, with its nodes' unshifted boxes.
+/// A tree as the builder returns it, with its nodes' unshifted boxes and the number of leaves below each.
 struct BinaryTree {
     tree: Bvh2,
     bounds: Vec<Bounds>,
+    leaves: Vec<u32>,
 }
 
 impl BinaryTree {
@@ -253,17 +257,48 @@ impl BinaryTree {
         self.bounds[node]
     }
 
-    /// Up to eight descendants that replace `node`, found by repeatedly opening the largest box.
+    /// Up to eight descendants that replace `node`, found by repeatedly opening the largest box. What a node
+    /// can hold is opened only if all of it fits: else nodes near the leaves would be half empty.
     fn open_largest(&self, node: usize) -> Vec<usize> {
         let mut opened = vec![node];
         while opened.len() < WIDTH {
             let area = |index: usize| self.tree.nodes[opened[index]].aabb().half_area();
-            let inner = (0..opened.len()).filter(|index| !self.is_leaf(opened[*index]));
-            let Some(largest) = inner.max_by(|a, b| area(*a).total_cmp(&area(*b))) else { break };
+            let largest = |leaves: RangeInclusive<usize>| {
+                let may_open = |index: &usize| leaves.contains(&(self.leaves[opened[*index]] as usize));
+                (0..opened.len()).filter(may_open).max_by(|a, b| area(*a).total_cmp(&area(*b)))
+            };
+            let room = WIDTH + 1 - opened.len();
+            let Some(largest) = largest(WIDTH + 1..=usize::MAX).or_else(|| largest(2..=room)) else { break };
             let first_child = self.tree.nodes[opened[largest]].first_index as usize;
             opened[largest] = first_child;
             opened.push(first_child + 1);
         }
         opened
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Sampler;
+
+    /// A query reads whole nodes, however few children they have.
+    #[test]
+    fn nodes_are_well_filled() {
+        let mut sampler = Sampler::new(1, 0, 0, 0);
+        let mut leaf = || {
+            let ((x, y), z) = (sampler.next_2d(), sampler.next_1d());
+            let min = Vec3::new(x as f32, y as f32, z as f32);
+            Bounds { min, max: min + 0.01 }
+        };
+        let boxes: Vec<Bounds> = (0..5000).map(|_| leaf()).collect();
+        let mut leaves = 0;
+        let tree = WideTree::new(&boxes, 1, |_| {
+            leaves += 1;
+            leaves - 1
+        });
+        // All but the root are children.
+        let children = (leaves as usize + tree.nodes.len() - 1) as f64 / tree.nodes.len() as f64;
+        assert!(children > 5.0, "{children}");
     }
 }
