@@ -5,7 +5,7 @@
 use super::field::Field;
 use super::gathered::Gathered;
 use super::lobe::Lobe;
-use crate::accel::PrimitiveId;
+use crate::accel::{PrimitiveId, prefetch};
 use crate::canopy::leaf_index::LeafIndex;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;
@@ -23,6 +23,15 @@ impl LeafLight {
     pub(super) fn new(index: LeafIndex) -> Self {
         let sides = index.all().iter().map(|_| OnceLock::new()).collect();
         Self { index, sides }
+    }
+
+    /// Asks for what [`Self::of`] will read of a leaf that a ray has met before.
+    pub(super) fn prefetch(&self, snapshot: &Snapshot, primitive: PrimitiveId) {
+        let Some(number) = self.index.number(snapshot, primitive) else { return };
+        prefetch(&self.index.all()[number].normal);
+        if let Some(sides) = self.sides[number].get() {
+            prefetch(&**sides);
+        }
     }
 
     /// The leaf that a triangle is part of, with its light; `None` if it is part of none.

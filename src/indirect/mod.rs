@@ -33,6 +33,7 @@ use self::level::Level;
 use self::lobe::Lobe;
 use self::solved::Solved;
 use self::view::ViewedFog;
+use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scene::Bounces;
@@ -115,6 +116,11 @@ impl Indirect {
         let (shine, alpha) = all.fold((Rgb::ZERO, 1.0_f64), |all, one| (all.0 + one.0, all.1.min(one.1)));
         let shine = shine.max_element();
         share(SEEN, shine) * (1.0 - share(BLURRED, alpha)).max(share(MOST, shine))
+    }
+
+    /// Asks for the light on a leaf, which [`Self::scattered`] will read at a point of the triangle.
+    pub fn prefetch(&self, snapshot: &Snapshot, primitive: PrimitiveId) {
+        self.solved.leaves.prefetch(snapshot, primitive);
     }
 
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of its specular

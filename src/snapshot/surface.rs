@@ -102,6 +102,11 @@ impl Snapshot<'_> {
             None => (&mesh.positions, &mesh.normals, &mesh.tangents),
             Some(bent) => (&bent.shape.positions, &bent.shape.normals, &bent.shape.tangents),
         };
+        for corner in corners {
+            // Its points will read them.
+            mesh.uvs.get(corner).into_iter().for_each(prefetch);
+            tangents.get(corner).into_iter().for_each(prefetch);
+        }
         let relative_from_mesh = self.relative_from_mesh(primitive.instance as usize);
         let is_bent = material.has_normal_map() && !tangents.is_empty();
         // Normals are covectors.

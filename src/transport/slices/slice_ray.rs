@@ -71,6 +71,9 @@ impl SliceRay<'_> {
         if let Some((_, facet)) = self.meeting {
             // They come while shadows and fog are found.
             facet.prefetch_texels(ray, distance);
+            if let Some(indirect) = path.indirect() {
+                indirect.prefetch(snapshot, facet.primitive);
+            }
         }
         let end = distance * planar.direction.x;
         let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
