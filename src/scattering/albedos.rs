@@ -2,15 +2,15 @@
 //! the albedo. Together they are the albedo of a white coat by single scattering. For Cycles' shadowing, and
 //! the refractive indices of [`Fresnel`], there are two more numbers. One is the share that moves from the
 //! first factor to the second where Fresnel's equations replace Schlick's term. The other is the unweighted
-//! mean of those equations over visible microfacets that mirror the eye upwards. Invariant: a table is
-//! computed once, on first use.
+//! mean of those equations over visible microfacets that mirror the eye upwards. Invariant: a row of a table
+//! is computed once, on first use.
 
 use super::fresnel::{Fresnel, INDICES, schlick};
 use super::ggx::{Shadowing, visible_normal};
 use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 /// Minimum roughness: a highlight of a light without extent needs some width.
 pub const LEAST_ROUGHNESS: f64 = 0.03;
@@ -31,8 +31,8 @@ pub(super) struct CoatAlbedos {
     shadowing: Shadowing,
     /// Roughness as in glTF.
     roughness: f64,
-    /// Row of the table for that roughness.
-    row: f64,
+    /// Place of that roughness among the rows of a table.
+    place: f64,
     /// Scale of the table's columns, which are equally spaced in the logarithm.
     columns: f64,
 }
@@ -40,7 +40,7 @@ pub(super) struct CoatAlbedos {
 impl CoatAlbedos {
     /// Albedos of a roughness from [`LEAST_ROUGHNESS`] to 1.
     pub(super) fn new(roughness: f64, shadowing: Shadowing) -> Self {
-        Self { shadowing, roughness, row: row_of(roughness), columns: columns_over(roughness) }
+        Self { shadowing, roughness, place: row_of(roughness), columns: columns_over(roughness) }
     }
 
     /// Albedos of the same roughness under another shadowing.
@@ -48,11 +48,12 @@ impl CoatAlbedos {
         Self { shadowing, ..self }
     }
 
-    fn table(self) -> &'static Albedos {
-        match self.shadowing {
+    fn row(self, number: usize) -> &'static Row {
+        let table = match self.shadowing {
             Shadowing::Separable => &SEPARABLE,
             Shadowing::Correlated => &CORRELATED,
-        }
+        };
+        table[number].get_or_init(|| Box::new(Row::new(number, self.shadowing)))
     }
 
     /// Factors of `f0` and `f90` for light from one direction.
@@ -73,22 +74,20 @@ impl CoatAlbedos {
     fn between<const PARTS: usize>(self, cos: f64, of: impl Fn(&Entry) -> [f64; PARTS]) -> [f64; PARTS] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
-        let table = self.table();
         self.between_rows(|row| {
-            let [a, b] = [left, left + 1].map(|column| of(&table.directional[row][column]));
+            let [a, b] = [left, left + 1].map(|column| of(&row.directional[column]));
             std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
         })
     }
 
     /// Factors of `f0` and `f90`, averaged over the hemisphere.
     pub(super) fn mean(self) -> [f64; 2] {
-        let table = self.table();
-        self.between_rows(|row| table.means[row])
+        self.between_rows(|row| row.mean)
     }
 
-    fn between_rows<const PARTS: usize>(self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
-        let (above, fraction) = split(self.row, LAST_ROW);
-        let [a, b] = [above, above + 1].map(row);
+    fn between_rows<const PARTS: usize>(self, of: impl Fn(&Row) -> [f64; PARTS]) -> [f64; PARTS] {
+        let (above, fraction) = split(self.place, LAST_ROW);
+        let [a, b] = [above, above + 1].map(|number| of(self.row(number)));
         std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
     }
 }
@@ -99,14 +98,20 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
     (whole, place - whole as f64)
 }
 
-/// The table, by roughness and by cosine.
+/// Table by roughness and by cosine. A scene has few roughnesses, so rows are computed as they are needed.
 ///
 /// Shadowing begins at cosines around alpha, for any alpha. So rows are equally spaced in the logarithm of
 /// the roughness, and columns in that of 1 plus the cosine's root over the roughness.
-struct Albedos {
-    directional: Vec<[Entry; LAST_COLUMN + 1]>,
-    /// Means over all directions, by their cosine.
-    means: [[f64; 2]; LAST_ROW + 1],
+type Table = [OnceLock<Box<Row>>; LAST_ROW + 1];
+
+static SEPARABLE: Table = [const { OnceLock::new() }; LAST_ROW + 1];
+static CORRELATED: Table = [const { OnceLock::new() }; LAST_ROW + 1];
+
+/// Albedos of the roughness of one row.
+struct Row {
+    directional: [Entry; LAST_COLUMN + 1],
+    /// Mean over all directions, by their cosine.
+    mean: [f64; 2],
 }
 
 /// Factors for light from one direction.
@@ -133,28 +138,22 @@ fn cos_of(column: f64, roughness: f64) -> f64 {
     (roughness * ((column / columns_over(roughness)).exp() - 1.0)).powi(2).min(1.0)
 }
 
-static SEPARABLE: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Separable));
-static CORRELATED: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Correlated));
-
-fn albedos(shadowing: Shadowing) -> Albedos {
-    // Half of the circle, as the other half is its mirror image.
-    let around: [DVec2; AROUND] =
-        std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
-    let row = |row: usize| {
-        let roughness = roughness_of(row);
+impl Row {
+    fn new(number: usize, shadowing: Shadowing) -> Self {
+        let roughness = roughness_of(number);
+        // Half of the circle, as the other half is its mirror image.
+        let around: [DVec2; AROUND] =
+            std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
         // It has a limit at grazing angles.
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
-        std::array::from_fn(|column| {
+        let directional: [Entry; LAST_COLUMN + 1] = std::array::from_fn(|column| {
             directional_albedo(shadowing, roughness * roughness, cos(column), &around)
-        })
-    };
-    let directional: Vec<[Entry; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
-    // Integral of 2 cos E(cos), that is of E over the square of the cosine, from the table's values.
-    let mean = |row: usize| {
-        let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
-        [0, 1].map(|part| {
+        });
+        // Integral of 2 cos E(cos), that is of E over the square of the cosine, from the row's values.
+        let square = |column: f64| cos_of(column, roughness).powi(2);
+        let mean = [0, 1].map(|part| {
             let piece = |column: usize| {
-                let [a, b] = [column, column + 1].map(|column| directional[row][column].once[part]);
+                let [a, b] = [column, column + 1].map(|column| directional[column].once[part]);
                 let (from, to) = (square(column as f64), square((column + 1) as f64));
                 // By parts: the value at the end, less the integral of what the squares before it lack.
                 let before = gauss_legendre(4).iter().map(|(x, weight)| {
@@ -164,9 +163,9 @@ fn albedos(shadowing: Shadowing) -> Albedos {
                 b * (to - from) - (b - a) * before.sum::<f64>()
             };
             (0..LAST_COLUMN).map(piece).sum()
-        })
-    };
-    Albedos { means: std::array::from_fn(mean), directional }
+        });
+        Self { directional, mean }
+    }
 }
 
 /// Integral of the BRDF times the cosine for a viewer at `cos`, over visible microfacets: each reflects `F
