@@ -66,9 +66,14 @@ fn is_hit([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> bool {
         return false;
     }
     let start = origin - a;
+    let u = start.dot(across) / determinant;
+    // Most rays miss already here.
+    if !(0.0..=1.0).contains(&u) {
+        return false;
+    }
     let along = start.cross(ab);
-    let (u, v) = (start.dot(across) / determinant, direction.dot(along) / determinant);
-    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(along) / determinant > 0.0
+    let v = direction.dot(along) / determinant;
+    v >= 0.0 && u + v <= 1.0 && ac.dot(along) / determinant > 0.0
 }
 
 #[cfg(test)]
