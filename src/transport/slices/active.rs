@@ -64,7 +64,8 @@ impl Active {
         &self.segments[number]
     }
 
-    /// Numbers of the segments that rays of a slope meet: see [`Segment::is_met_at`].
+    /// Numbers of the segments that rays of a slope meet. An end on a ray counts as above it, for all
+    /// segments alike.
     pub(super) fn met_at(&self, slope: f64) -> impl Iterator<Item = usize> {
         let is_met = move |[upper, lower]: &[f64; 2]| slope <= *upper && *lower < slope;
         self.slopes.iter().enumerate().filter(move |(_, slopes)| is_met(slopes)).map(|(number, _)| number)

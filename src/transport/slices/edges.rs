@@ -146,7 +146,7 @@ impl Edges {
 
 /// Nearest segment on the ray of a slope.
 fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
-    let met = sweep.active().iter().filter(|segment| segment.is_met_at(slope));
+    let met = sweep.active().met_at(slope).map(|number| sweep.active().segment(number));
     let points = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope))));
     let reaches = points
         .filter(|(segment, point)| sweep.shows(segment, *point))

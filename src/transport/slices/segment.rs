@@ -33,16 +33,6 @@ pub(super) struct End {
 }
 
 impl Segment {
-    /// Whether rays of a slope meet it. An end on a ray counts as above it, for all segments alike.
-    pub(super) fn is_met_at(&self, slope: f64) -> bool {
-        slope <= self.upper.slope && !self.is_above(slope)
-    }
-
-    /// Whether all of it lies above rays of a slope.
-    fn is_above(&self, slope: f64) -> bool {
-        slope <= self.lower.slope
-    }
-
     /// Intersection of a ray with the segment; the ray is known to meet it.
     pub(super) fn crossing(&self, direction: DVec2) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
