@@ -150,6 +150,22 @@ def aloft(count, rng):
     return place("aloft", data)
 
 
+def beyond(bark, twig, leaves, rng):
+    """A wood that fades into the fog, and bushes before it; trees of a kind share meshes."""
+    trees = [(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]
+    trees += [(5.8 * i - 32.0 + rng.uniform(-2.2, 2.2), rng.uniform(36.0, 44.0)) for i in range(12)]
+    bushes = [(4.0 * i - 34.0 + rng.uniform(-1.5, 1.5), rng.uniform(28.0, 34.0)) for i in range(18)]
+    kinds = (("birch", trees, 2400, (1.2, 1.6)), ("sapling", bushes, 320, (1.0, 1.6)))
+    for kind, places, count, sizes in kinds:
+        wood, fine = mesh(f"{kind}_wood", bark), mesh(f"{kind}_twigs", twig)
+        of_kind = Twigs(fine, mathutils.Matrix())
+        crown = crown_mesh(f"{kind} crown", of_kind, count, (leaves, (0.22, 0.34)), rng)
+        for i, (x, y) in enumerate(places):
+            turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(*sizes)
+            for what, data in (("wood", wood), ("twigs", fine), ("crown", crown)):
+                place(f"{kind} {what} {i + 1}", data, (x, y, 0.0), turn, size)
+
+
 def falling(twigs, solid, shades, rng):
     """Leaves in the wind (glade_wind.py)."""
     shown = []
@@ -168,14 +184,15 @@ def light_and_fog(scene):
     data = bpy.data.lights.new("sun", "SUN")
     data.energy, data.color, data.angle = 13.0, (1.0, 0.48, 0.075), math.radians(1.2)
     sun = place("sun", data)
+    sun.sunfleck_settings.visible_to_camera = True
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
     fog = place("fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
-    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.011, (0.96, 0.95, 0.93), 0.75
+    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.013, (0.96, 0.95, 0.93), 0.75
     holds.thins_out, holds.scale_height = True, 4.5
-    settings.background_color, settings.background_strength = (0.07, 0.48, 1.0), 0.22
+    settings.background_color, settings.background_strength = (0.17, 0.7, 1.0), 0.18
     settings.sky_lights = "surfaces_and_fog"
     settings.tolerance, settings.passes = 0.04, set()
 
@@ -184,7 +201,7 @@ def camera(scene):
     """Close to the ground, moving in slowly; leaves in the air at hand are in focus."""
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.lens = "HORIZONTAL", 26.0
-    data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 4.6, 1.8
+    data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 4.6, 2.8
     thing = place("camera", data)
     for frame, location in ((FRAMES[0], (0.6, -7.6, 0.85)), (FRAMES[1], (0.2, -6.9, 0.95))):
         thing.location = location
@@ -226,20 +243,12 @@ def main(output):
     hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow, red)]
     crown("crown", Twigs(twigs, oak), 10000, (hanging, (0.18, 0.30)), rng)
     # Nearer than the light, so dark: what frames the picture.
-    frame = mathutils.Matrix.Translation((5.4, -0.9, -0.3)) @ mathutils.Matrix.Rotation(2.6, 4, "Z")
+    frame = mathutils.Matrix.Translation((5.0, -0.9, -0.3)) @ mathutils.Matrix.Rotation(2.6, 4, "Z")
     place("oak 2", wood).matrix_world = place("oak 2 twigs", twigs).matrix_world = frame
     dark = [mesh("maple_canopy_hanging", brown)]
     crown("crown 2", Twigs(twigs, frame), 2500, (dark, (0.18, 0.30)), rng)
     maple_bark = material("maple bark", "bark_maple.png")
-    far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
-    far = Twigs(far_twigs, mathutils.Matrix())
-    far_crown = crown_mesh("far crown", far, 3000, (hanging, (0.2, 0.32)), rng)
-    for i, (x, y) in enumerate(
-        [(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]
-    ):
-        turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
-        for what, data in (("tree", far_wood), ("twigs", far_twigs), ("crown", far_crown)):
-            place(f"far {what} {i + 1}", data, (x, y, 0.0), turn, size)
+    beyond(maple_bark, twig, hanging, rng)
     leaves = [mesh("maple_far", shade) for shade in (brown, amber, brown, yellow)]
     for number in range(1500):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
