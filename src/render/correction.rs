@@ -45,7 +45,7 @@ impl Scheme {
         if grid.sum() == Rgb::ZERO {
             return scheme;
         }
-        let mut so_far = Map::filled(Rgb::ZERO);
+        let mut so_far = Map::filled(grid.shape, Rgb::ZERO);
         for sigma in LEVELS {
             let light = grid.smoothed(sigma);
             let count = count.smoothed(sigma);
@@ -54,17 +54,17 @@ impl Scheme {
             let squares = moments.squares_left(pass, &so_far).smoothed(sigma * 0.5_f64.sqrt());
             let found = mean_of(&difference.smoothed(sigma), &light);
             let per_probe = |cell: usize| 1.0 / count.of(cell).max(1e-9);
-            let detail = Map::from_fn(|cell| {
+            let detail = found.like(|cell| {
                 let detail = (found.of(cell) - so_far.of(cell)) * light.of(cell) * per_probe(cell);
                 mean(detail * detail)
             });
-            let noise = Map::from_fn(|cell| mean(squares.of(cell)) * per_probe(cell).powi(2));
+            let noise = squares.like(|cell| mean(squares.of(cell)) * per_probe(cell).powi(2));
             let (detail, noise) = (detail.smoothed(COMPARED * sigma), noise.smoothed(COMPARED * sigma));
-            let signal = Map::from_fn(|cell| {
+            let signal = detail.like(|cell| {
                 let (detail, noise) = (detail.of(cell), noise.of(cell));
                 if detail > noise { 1.0 - noise / detail } else { 0.0 }
             });
-            so_far = Map::from_fn(|cell| {
+            so_far = so_far.like(|cell| {
                 let so_far = so_far.of(cell);
                 so_far + signal.of(cell) * (found.of(cell) - so_far)
             });
@@ -77,9 +77,9 @@ impl Scheme {
     /// are `times` as many.
     pub(super) fn shares(&self, moments: &Moments, times: f64) -> Map<Rgb> {
         let difference = moments.difference(self.pass);
-        self.levels.iter().fold(Map::filled(Rgb::ZERO), |so_far, level| {
+        self.levels.iter().fold(Map::filled(difference.shape, Rgb::ZERO), |so_far, level| {
             let found = mean_of(&difference.smoothed(level.sigma), &level.light);
-            Map::from_fn(|cell| {
+            found.like(|cell| {
                 let so_far = so_far.of(cell);
                 (so_far + level.signal.of(cell) * (times * found.of(cell) - so_far)).max(Rgb::splat(LEAST))
             })
@@ -90,7 +90,7 @@ impl Scheme {
 /// A sum over that of the light; 0 where there is no light.
 fn mean_of(sum: &Map<Rgb>, light: &Map<Rgb>) -> Map<Rgb> {
     let ratio = |sum: f64, light: f64| if light > 0.0 { sum / light } else { 0.0 };
-    Map::from_fn(|cell| {
+    sum.like(|cell| {
         let (sum, light) = (sum.of(cell), light.of(cell));
         Rgb::new(ratio(sum.x, light.x), ratio(sum.y, light.y), ratio(sum.z, light.z))
     })

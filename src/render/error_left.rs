@@ -3,7 +3,7 @@
 //! value has no noise of the walks.
 
 use super::correction::mean;
-use super::map::{COLUMNS, Map, ROWS};
+use super::map::Map;
 use super::moments::Moments;
 use super::probes::PASSES;
 use crate::color::Rgb;
@@ -23,7 +23,7 @@ impl Light {
         let count = moments.count().smoothed(SURROUNDINGS);
         Self(std::array::from_fn(|pass| {
             let sum = moments.grid(pass).smoothed(SURROUNDINGS);
-            Map::from_fn(|cell| sum.of(cell) / count.of(cell).max(f64::MIN_POSITIVE))
+            sum.like(|cell| sum.of(cell) / count.of(cell).max(f64::MIN_POSITIVE))
         }))
     }
 
@@ -34,11 +34,11 @@ impl Light {
 
     /// Mean of the colour channels, summed over all passes.
     pub(super) fn brightness(&self) -> Map<f64> {
-        Map::from_fn(|cell| mean(self.at(cell)))
+        self.0[0].like(|cell| mean(self.at(cell)))
     }
 
     pub(super) fn mean(&self) -> Rgb {
-        self.0.iter().map(Map::sum).sum::<Rgb>() / (COLUMNS * ROWS) as f64
+        self.0.iter().map(Map::sum).sum::<Rgb>() / self.0[0].shape.count() as f64
     }
 }
 
@@ -60,7 +60,8 @@ impl Left {
         corrections: &[[Map<Rgb>; PASSES]; 2],
         light: &Light,
     ) -> Self {
-        let noise = Map::from_fn(|cell| -> Rgb {
+        let shape = light.0[0].shape;
+        let noise = light.0[0].like(|cell| -> Rgb {
             let of_pass = |pass: usize| {
                 let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
                 0.5 * (one - other) * light.0[pass].of(cell)
@@ -68,16 +69,16 @@ impl Left {
             (0..PASSES).map(of_pass).sum()
         });
         let near = noise.averaged(near_cells);
-        let noise = Map::from_fn(|cell| mean(noise.of(cell) * near.of(cell)));
-        let mut all =
-            Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
+        let noise = noise.like(|cell| mean(noise.of(cell) * near.of(cell)));
+        let none = Map::filled(shape, 0.0);
+        let mut all = Self { products: none.clone(), pairs: none.clone(), variances: none, noise };
         for (half, other) in halves.iter().zip(corrections.iter().rev()) {
             let (sums, squares) = half.left(other);
             let (near, count) = (sums.smoothed(near_cells), half.count());
             let count_near = count.smoothed(near_cells);
-            let squares = Map::from_fn(|cell| mean(squares.of(cell)));
+            let squares = squares.like(|cell| mean(squares.of(cell)));
             let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
-            for cell in 0..COLUMNS * ROWS {
+            for cell in 0..shape.count() {
                 // Without the products of a walk with itself.
                 *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
                 *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
@@ -92,8 +93,8 @@ impl Left {
     /// its parts.
     pub(super) fn squares(&self, light: &Light) -> Map<f64> {
         let Self { products, pairs, variances, noise } = self;
-        let cells = (COLUMNS * ROWS) as f64;
-        let of_light = Map::from_fn(|cell| mean(light.at(cell)).powi(2));
+        let cells = noise.shape.count() as f64;
+        let of_light = noise.like(|cell| mean(light.at(cell)).powi(2));
         let square_of_light = of_light.sum() / cells;
         let found = |products: f64, pairs: f64, variances: f64| {
             let pairs = pairs.max(f64::MIN_POSITIVE);
@@ -107,7 +108,7 @@ impl Left {
         let [products, pairs] = [products, pairs].map(|map| map.smoothed(LOCAL));
         let noise = noise.averaged(LOCAL);
         let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
-        Map::from_fn(|cell| {
+        products.like(|cell| {
             let (product, variance) = found(products.of(cell), pairs.of(cell), variances.of(cell));
             let expected =
                 if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
@@ -132,7 +133,7 @@ fn doubt(variance: f64, expected: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::map::cell_at;
+    use super::super::map::Shape;
     use super::super::probes::Probe;
     use super::*;
     use glam::DVec2;
@@ -140,21 +141,22 @@ mod tests {
     /// Estimated error where the two halves' corrections of an exact grid are off by the same amounts, with
     /// opposite signs.
     fn told(off: impl Fn(usize) -> f64) -> f64 {
-        let mut half = Moments::none();
-        for cell in 0..COLUMNS * ROWS {
-            let (column, row) = ((cell % COLUMNS) as f64, (cell / COLUMNS) as f64);
-            let place = DVec2::new((column + 0.5) / COLUMNS as f64, (row + 0.5) / ROWS as f64);
-            assert_eq!(cell_at(place), cell);
+        let shape = Shape { columns: 48, rows: 28 };
+        let mut half = Moments::none(shape);
+        for cell in 0..shape.count() {
+            let (column, row) = ((cell % shape.columns) as f64, (cell / shape.columns) as f64);
+            let place = DVec2::new((column + 0.5) / shape.columns as f64, (row + 0.5) / shape.rows as f64);
+            assert_eq!(shape.cell_at(place), cell);
             let light = [Rgb::ONE, Rgb::ZERO];
             half.add(&Probe { place, weight: 1.0, walk: light, grid: light, drawn: 1 });
         }
         let shares = |sign: f64| {
-            let of_surfaces = Map::from_fn(|cell| Rgb::splat(sign * off(cell)));
-            [of_surfaces, Map::filled(Rgb::ZERO)]
+            let none = Map::filled(shape, Rgb::ZERO);
+            [none.like(|cell| Rgb::splat(sign * off(cell))), none]
         };
         let light = Light::of(&half);
         let left = Left::of((&[half.clone(), half], 1.0), &[shares(1.0), shares(-1.0)], &light);
-        left.squares(&light).of(COLUMNS / 2 + COLUMNS * (ROWS / 2)).sqrt()
+        left.squares(&light).of(shape.cell_at(DVec2::splat(0.5))).sqrt()
     }
 
     /// Noise of a correction counts as error, except where it cancels in means over surroundings.

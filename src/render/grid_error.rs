@@ -6,7 +6,7 @@ use super::Job;
 use super::correction::{Correction, Scheme, mean};
 use super::error_left::{Left, Light};
 use super::importance::Importance;
-use super::map::{COLUMNS, Map, ROWS, cell_at};
+use super::map::{Map, Shape};
 use super::moments::Moments;
 use super::probes::{PASSES, Plan, probes};
 use super::survey::Survey;
@@ -73,9 +73,11 @@ impl GridError {
             Sampling::Exactly(_) => USUAL,
         };
         let most = most_walks(job.size, tolerance);
-        let mut halves = [Moments::none(), Moments::none()];
+        let shape = Shape::of(job.size);
+        let none = || [Moments::none(shape), Moments::none(shape)];
+        let mut halves = none();
         let mut numbers = 0..FIRST;
-        let mut plan = Plan { importance: Importance::even(), branches: Branches::ONE };
+        let mut plan = Plan { importance: Importance::even(shape), branches: Branches::ONE };
         let (mut drawn, mut drawn_by_one) = (0.0, POINTS_OF_A_WALK);
         loop {
             let rays = (BATCH / plan.branches.mean()) as u32;
@@ -104,7 +106,7 @@ impl GridError {
                     importance: Importance::of(&Light::of(&first).brightness()),
                     branches: branches_by_noise(&first),
                 };
-                halves = [Moments::none(), Moments::none()];
+                halves = none();
                 numbers = FIRST..FIRST + FIRST / 2;
             } else {
                 let wanted = (known.relative / tolerance).powi(2) - 1.0;
@@ -131,10 +133,10 @@ impl GridError {
         // Luminance errs as much as light does: the channels' errors are alike.
         let in_luminance =
             if mean(mean_light) > 0.0 { luminance(mean_light) / mean(mean_light) } else { 0.0 };
-        let squares = Map::from_fn(|cell| (FINER * in_luminance).powi(2) * squares.of(cell));
-        let cells = (COLUMNS * ROWS) as f64;
+        let squares = squares.like(|cell| (FINER * in_luminance).powi(2) * squares.of(cell));
+        let cells = squares.shape.count() as f64;
         let added = |pass: usize| {
-            Map::from_fn(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
+            squares.like(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
         };
         let added = luminance((0..PASSES).map(added).sum());
         // The walks' rays are many more than a survey's, so their mean of indirect light is better.
@@ -152,13 +154,13 @@ impl GridError {
             middle(window.x, window.width, job.size.width),
             middle(window.y, window.height, job.size.height),
         );
-        TOLD * self.squares.of(cell_at(place)).sqrt()
+        TOLD * self.squares.of(self.squares.shape.cell_at(place)).sqrt()
     }
 }
 
 /// Numbers of branches with the least noise for their cost: in proportion to the standard deviation of one.
 fn branches_by_noise(first: &Moments) -> Branches {
-    let none = Map::filled(Rgb::ZERO);
+    let none = Map::filled(first.shape(), Rgb::ZERO);
     let [at_surfaces, in_fog] =
         std::array::from_fn(|pass| mean(first.squares_left(pass, &none).sum()).max(0.0).sqrt());
     let share = |noise: f64| {
@@ -171,7 +173,7 @@ fn branches_by_noise(first: &Moments) -> Branches {
 /// Standard deviation of the Gaussian over which errors of a picture are averaged, in cells.
 fn surroundings(size: Size) -> f64 {
     let of_block = PIXELS_OF_BLOCK / (size.width as f64 * size.height as f64);
-    ((COLUMNS * ROWS) as f64 * of_block / (4.0 * PI)).sqrt().max(SURROUNDINGS)
+    (Shape::of(size).count() as f64 * of_block / (4.0 * PI)).sqrt().max(SURROUNDINGS)
 }
 
 /// Maximum number of walks for a picture of a size and a tolerance.

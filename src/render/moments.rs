@@ -1,7 +1,7 @@
 //! Moments of many probes, cell by cell of the picture. In go probes, out come sums of their values and of
 //! products of these. Invariant: only sums are stored, so memory does not grow with the number of probes.
 
-use super::map::{Map, cell_at};
+use super::map::{Map, Shape};
 use super::probes::{PASSES, Probe};
 use crate::color::Rgb;
 
@@ -21,8 +21,8 @@ struct Cell {
 pub(super) struct Moments(Map<Cell>);
 
 impl Moments {
-    pub(super) fn none() -> Self {
-        Self(Map::filled(Cell::default()))
+    pub(super) fn none(shape: Shape) -> Self {
+        Self(Map::filled(shape, Cell::default()))
     }
 
     pub(super) fn add(&mut self, probe: &Probe) {
@@ -31,7 +31,7 @@ impl Moments {
             values[2 * pass] = probe.weight * (probe.walk[pass] - probe.grid[pass]);
             values[2 * pass + 1] = probe.weight * probe.grid[pass];
         }
-        let cell = self.0.cell_mut(cell_at(probe.place));
+        let cell = self.0.cell_mut(self.0.shape.cell_at(probe.place));
         cell.count += probe.weight;
         for (row, &value) in values.iter().enumerate() {
             cell.sums[row] += value;
@@ -43,7 +43,7 @@ impl Moments {
 
     /// Moments of two sets of probes together.
     pub(super) fn with(&self, other: &Self) -> Self {
-        Self(Map::from_fn(|cell| {
+        Self(self.0.like(|cell| {
             let (mut sum, other) = (self.0.of(cell), other.0.of(cell));
             sum.count += other.count;
             for row in 0..VALUES {
@@ -56,17 +56,21 @@ impl Moments {
         }))
     }
 
+    pub(super) fn shape(&self) -> Shape {
+        self.0.shape
+    }
+
     pub(super) fn count(&self) -> Map<f64> {
-        Map::from_fn(|cell| self.0.of(cell).count)
+        self.0.like(|cell| self.0.of(cell).count)
     }
 
     /// Sum of walk minus grid.
     pub(super) fn difference(&self, pass: usize) -> Map<Rgb> {
-        Map::from_fn(|cell| self.0.of(cell).sums[2 * pass])
+        self.0.like(|cell| self.0.of(cell).sums[2 * pass])
     }
 
     pub(super) fn grid(&self, pass: usize) -> Map<Rgb> {
-        Map::from_fn(|cell| self.0.of(cell).sums[2 * pass + 1])
+        self.0.like(|cell| self.0.of(cell).sums[2 * pass + 1])
     }
 
     /// Sum, and sum of squares, of the difference between walk and grid in each cell, after each pass of the
@@ -79,11 +83,11 @@ impl Moments {
             }
             weights
         };
-        let sums = Map::from_fn(|cell| {
+        let sums = self.0.like(|cell| {
             let sums = self.0.of(cell).sums;
             weights(cell).iter().zip(sums).map(|(&weight, sum)| weight * sum).sum()
         });
-        let squares = Map::from_fn(|cell| {
+        let squares = self.0.like(|cell| {
             let (products, weights) = (self.0.of(cell).products, weights(cell));
             let row = |row: usize| -> Rgb {
                 (0..VALUES).map(|column| weights[column] * products[row][column]).sum()
@@ -95,7 +99,7 @@ impl Moments {
 
     /// Sum of these squares in one pass.
     pub(super) fn squares_left(&self, pass: usize, share: &Map<Rgb>) -> Map<Rgb> {
-        Map::from_fn(|cell| {
+        self.0.like(|cell| {
             let (products, share) = (self.0.of(cell).products, share.of(cell));
             let [difference, grid] = [2 * pass, 2 * pass + 1];
             products[difference][difference] - 2.0 * share * products[difference][grid]
