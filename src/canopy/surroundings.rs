@@ -28,6 +28,10 @@ pub(crate) struct WallTriangle {
 /// Length in cells up to which a part has the mean optics of its look; longer parts have those of each place.
 const SMALL_CELLS: f64 = 1.0;
 
+/// Minimum width and length of a panel, as shares of a width that suffices by itself.
+const NARROWEST: f64 = 0.25;
+const SHORTEST: f64 = 2.0;
+
 /// A part of a placed mesh. There may be a million.
 struct PlacedPart<'a> {
     mesh_number: usize,
@@ -50,7 +54,12 @@ struct PlacedPart<'a> {
 impl PlacedPart<'_> {
     /// Whether it stops light as a wall does: transparent parts are surfels at any size.
     fn is_wall(&self, width_m: f64) -> bool {
-        self.is_large(width_m) && !self.is_blended
+        self.stands_alone(width_m) && !self.is_blended
+    }
+
+    /// Whether it is no leaf among leaves of that width.
+    fn stands_alone(&self, width_m: f64) -> bool {
+        self.is_large(width_m) || self.is_post(width_m)
     }
 
     fn is_large(&self, width_m: f64) -> bool {
@@ -59,13 +68,23 @@ impl PlacedPart<'_> {
 
     /// Whether it is a panel, such as the narrow wall above a window, which closes a room as a wall does.
     fn is_panel(&self, width_m: f64) -> bool {
-        /// Minimum width, as a share of a width that suffices by itself.
-        const NARROWEST: f64 = 0.25;
-        const SHORTEST: f64 = 2.0;
         /// Maximum thickness, as a share of the width.
         const THICKEST: f64 = 0.25;
         let is_flat = self.thickness_m <= THICKEST * self.width_m;
         is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
+    }
+
+    /// Whether it is a solid half as long as a panel, and half as thick as a panel is wide: a post, a step.
+    fn is_post(&self, width_m: f64) -> bool {
+        /// Minimum area, as a share of its bounds' area. A thin twig on a diagonal has wide bounds.
+        const FULL: f64 = 0.75;
+        let [x, y, z] = (self.part.high - self.part.low).to_array();
+        let of_bounds = 2.0 * (x * y + y * z + z * x);
+        let area = || self.part.places.iter().map(|place| place.area).sum::<f64>();
+        self.part.is_closed
+            && self.thickness_m >= 0.5 * NARROWEST * width_m
+            && self.length_m >= 0.5 * SHORTEST * width_m
+            && area() >= FULL * of_bounds
     }
 
     /// Share of light from all sides that it does not shade itself from; 1 for a closed body.
@@ -161,7 +180,7 @@ impl<'a> Surroundings<'a> {
     /// Width of leaves: the mean by area over all parts narrower than `widest_m`; 0 if there are fewer than
     /// `few`.
     pub(crate) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
-        let leaves = self.parts.iter().filter(|part| !part.is_large(widest_m));
+        let leaves = self.parts.iter().filter(|part| !part.stands_alone(widest_m));
         if leaves.clone().count() < few {
             return 0.0;
         }

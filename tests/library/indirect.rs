@@ -347,6 +347,36 @@ fn no_light_gets_through_the_walls_of_a_closed_room() {
     }
 }
 
+/// Posts side by side close a shed as walls do, though each is but twice as wide as thick.
+#[test]
+fn no_light_gets_through_the_posts_of_a_closed_shed() {
+    let mut scene = camera_at(DVec3::ZERO);
+    scene.sky = Sky::new(EVEN_SKY);
+    let mut add = |low: [f64; 3], high: [f64; 3]| {
+        add_box(&mut scene, low.into(), high.into(), Material::default());
+    };
+    for y in [-1.65, 1.5] {
+        add([-0.75, y, -0.75], [0.75, y + 0.15, 0.75]);
+    }
+    for along in [-0.75, -0.45, -0.15, 0.15, 0.45] {
+        for z in [-0.75, 0.6] {
+            add([along, -1.5, z], [along + 0.3, 1.5, z + 0.15]);
+        }
+    }
+    for along in [-0.6, -0.3, 0.0, 0.3] {
+        for x in [-0.75, 0.6] {
+            add([x, -1.5, along], [x + 0.15, 1.5, along + 0.3]);
+        }
+    }
+    // Leaves outside of it have cells of their own size.
+    for leaves in [0, 100] {
+        add_leaves(&mut scene, leaves, Material::default());
+        let worst = worst_from(&radiances(&scene, Bounces::All), 0.0);
+        println!("in the dark shed, {leaves} leaves outside: {worst:.2e}");
+        assert!(worst < 1e-3, "{leaves}: {worst}");
+    }
+}
+
 /// A sheet that takes nothing of light, half of it through, in even light from all sides.
 #[test]
 fn light_comes_through_walls_that_transmit() {
