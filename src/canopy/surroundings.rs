@@ -2,8 +2,10 @@
 //! goes a snapshot, out come both and their bounds. Invariant: each visible triangle belongs to one of the
 //! two.
 
+mod placed_part;
 pub(crate) mod wide;
 
+use self::placed_part::PlacedPart;
 use super::recollision::bent;
 use super::surface_optics::optics_at;
 use super::surfels::{Surfel, Surfels};
@@ -12,7 +14,7 @@ use crate::color::Rgb;
 use crate::math::kronecker;
 use crate::ordinates::occluders::Triangle;
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
-use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
+use crate::snapshot::{DrawnMesh, PartPlace, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -27,71 +29,6 @@ pub(crate) struct WallTriangle {
 
 /// Length in cells up to which a part has the mean optics of its look; longer parts have those of each place.
 const SMALL_CELLS: f64 = 1.0;
-
-/// Minimum width and length of a panel, as shares of a width that suffices by itself.
-const NARROWEST: f64 = 0.25;
-const SHORTEST: f64 = 2.0;
-
-/// A part of a placed mesh. There may be a million.
-struct PlacedPart<'a> {
-    mesh_number: usize,
-    part: &'a MeshPart,
-    number: usize,
-    /// Number of its look. Parts with the same look in all places share it: those with the same mesh,
-    /// material and part number, blended or not.
-    looks: u32,
-    /// The shortest side of its bounds, metres.
-    thickness_m: f64,
-    /// The second longest side: the width of a leaf, a trunk or a wall, metres.
-    width_m: f64,
-    /// The longest side, metres.
-    length_m: f64,
-    is_blended: bool,
-    /// Whether it is plain ground below layers of fog, which end at it.
-    is_plain: bool,
-}
-
-impl PlacedPart<'_> {
-    /// Whether it stops light as a wall does: transparent parts are surfels at any size.
-    fn is_wall(&self, width_m: f64) -> bool {
-        self.stands_alone(width_m) && !self.is_blended
-    }
-
-    /// Whether it is no leaf among leaves of that width.
-    fn stands_alone(&self, width_m: f64) -> bool {
-        self.is_large(width_m) || self.is_post(width_m)
-    }
-
-    fn is_large(&self, width_m: f64) -> bool {
-        self.width_m >= width_m || self.is_panel(width_m)
-    }
-
-    /// Whether it is a panel, such as the narrow wall above a window, which closes a room as a wall does.
-    fn is_panel(&self, width_m: f64) -> bool {
-        /// Maximum thickness, as a share of the width.
-        const THICKEST: f64 = 0.25;
-        let is_flat = self.thickness_m <= THICKEST * self.width_m;
-        is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
-    }
-
-    /// Whether it is a solid half as long as a panel, and half as thick as a panel is wide: a post, a step.
-    fn is_post(&self, width_m: f64) -> bool {
-        /// Minimum area, as a share of its bounds' area. A thin twig on a diagonal has wide bounds.
-        const FULL: f64 = 0.75;
-        let [x, y, z] = (self.part.high - self.part.low).to_array();
-        let of_bounds = 2.0 * (x * y + y * z + z * x);
-        let area = || self.part.places.iter().map(|place| place.area).sum::<f64>();
-        self.part.is_closed
-            && self.thickness_m >= 0.5 * NARROWEST * width_m
-            && self.length_m >= 0.5 * SHORTEST * width_m
-            && area() >= FULL * of_bounds
-    }
-
-    /// Share of light from all sides that it does not shade itself from; 1 for a closed body.
-    fn exposed(&self) -> f64 {
-        if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
-    }
-}
 
 /// A small part with two sides.
 pub(crate) struct Leaf {
@@ -119,8 +56,6 @@ impl Leaf {
 
 /// Minimum share of a leaf's area that faces one way; a body faces all ways.
 const FLAT: f64 = 0.5;
-/// Minimum exposed share: a rolled leaf shades nearly all of itself.
-const LEAST_EXPOSED: f64 = 0.1;
 
 /// Number of leaves that are computed before results are collected.
 const AT_ONCE: usize = 1 << 14;
