@@ -44,11 +44,11 @@ impl<L: Lanes> Crossing<L> {
 
     #[inline(always)]
     fn alone_first(&self, [a, b, c]: Corners<L>) -> Corners<L> {
-        [self.pick(a, b, c), self.pick(b, c, a), self.pick(c, a, b)]
+        [self.sample(a, b, c), self.sample(b, c, a), self.sample(c, a, b)]
     }
 
     #[inline(always)]
-    fn pick(&self, first: L, second: L, third: L) -> L {
+    fn sample(&self, first: L, second: L, third: L) -> L {
         first.or_else(self.first_is_alone, second.or_else(self.second_is_alone, third))
     }
 

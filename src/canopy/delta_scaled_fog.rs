@@ -79,8 +79,8 @@ impl<'a> DeltaScaledFog<'a> {
     }
 
     /// Whether some fog emits.
-    pub(crate) fn shines(&self) -> bool {
-        self.medium.shines()
+    pub(crate) fn emits(&self) -> bool {
+        self.medium.emits()
     }
 
     /// Coefficients at a point.

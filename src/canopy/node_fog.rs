@@ -61,7 +61,7 @@ fn mean_of(cell: (&Grid, usize), fog: &DeltaScaledFog) -> FogCoefficients {
         middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
     };
     let here = fog.dimming.extinction_at(middle);
-    let is_even = !fog.shines() && (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here);
+    let is_even = !fog.emits() && (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here);
     if is_even {
         return fog.at(middle);
     }

@@ -51,7 +51,7 @@ impl TurbidMedium {
             leaves: Vec::new(),
             clumping: Clumping::of(cut.grid, surfels, bounces),
         };
-        if !fog.dimming.is_empty() || fog.shines() {
+        if !fog.dimming.is_empty() || fog.emits() {
             medium.add_fog(&fog_of_nodes(cut, fog));
         }
         let mut leaves = leaf_sums(cut, surfels);

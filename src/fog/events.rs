@@ -9,7 +9,7 @@
 
 use super::beer_lambert::exp_minus;
 use super::foggy_ray::FoggyRay;
-use super::phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
+use super::phase::{henyey_greenstein, henyey_greenstein_pdf, sample_henyey_greenstein};
 use super::{FogBank, Medium};
 use crate::color::Rgb;
 use glam::{DVec2, DVec3};
@@ -58,18 +58,18 @@ impl FoggyRay<'_> {
     }
 
     /// Samples a collision by two uniform numbers.
-    pub fn pick_loss(&self, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
+    pub fn sample_loss(&self, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
         let Losses { range, lost, depth, .. } = *losses;
-        let channel = pick(lost.to_array(), u);
+        let channel = sample_discrete(lost.to_array(), u);
         let wanted = -(v * (-depth[channel]).exp_m1()).ln_1p();
         let t = self.place_at_depth(range, wanted, |color| color[channel]);
         let through = exp_minus(self.optical_depth(t));
-        let per_m = self.picked(weights, losses, t);
+        let per_m = self.pdf(weights, losses, t);
         (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
     }
 
-    /// Probability density of [`Self::pick_loss`] at a distance, 1/m.
-    pub fn picked(&self, weights: Rgb, losses: &Losses, t: f64) -> f64 {
+    /// Probability density of [`Self::sample_loss`] at a distance, 1/m.
+    pub fn pdf(&self, weights: Rgb, losses: &Losses, t: f64) -> f64 {
         let (start, end) = losses.range;
         if t < start || end < t {
             return 0.0;
@@ -107,7 +107,7 @@ impl Medium {
     /// Samples the direction in which fog at a point scatters light that travels along a unit vector, by
     /// three uniform numbers. Returns it with the scattering over its density, 1/m; `None` without
     /// scattering.
-    pub fn pick_scattering(
+    pub fn sample_scattering(
         &self,
         point: DVec3,
         travel: DVec3,
@@ -117,27 +117,27 @@ impl Medium {
         let counts = |fog: &FogBank| (weights * fog.sigma_s).element_sum() * fog.density(point);
         let all: f64 = self.banks().iter().map(counts).sum();
         let mut left = u[0] * all;
-        let picked = self.banks().iter().filter(|fog| counts(fog) > 0.0).find(|fog| {
+        let sampled = self.banks().iter().filter(|fog| counts(fog) > 0.0).find(|fog| {
             left -= counts(fog);
             left < 0.0
         });
         // Rounding may leave a small rest after the last of them.
-        let fog = picked.or_else(|| self.banks().iter().rfind(|fog| counts(fog) > 0.0))?;
-        let (cos, _) = pick_henyey_greenstein(fog.g, u[1]);
+        let fog = sampled.or_else(|| self.banks().iter().rfind(|fog| counts(fog) > 0.0))?;
+        let (cos, _) = sample_henyey_greenstein(fog.g, u[1]);
         let (right, up) = travel.any_orthonormal_pair();
         let across = DVec2::from_angle(TAU * u[2]) * (1.0 - cos * cos).max(0.0).sqrt();
         let direction = cos * travel + across.x * right + across.y * up;
         let (mut scattered, mut density) = (Rgb::ZERO, 0.0);
         for fog in self.banks() {
             scattered += fog.sigma_s * (fog.density(point) * henyey_greenstein(cos, fog.g));
-            density += counts(fog) / all * picked_henyey_greenstein(fog.g, cos);
+            density += counts(fog) / all * henyey_greenstein_pdf(fog.g, cos);
         }
         (density > 0.0).then(|| (direction.normalize(), scattered / density))
     }
 }
 
 /// Index of one of three, with probabilities in proportion to `counts`, for a uniform number.
-fn pick(counts: [f64; 3], u: f64) -> usize {
+fn sample_discrete(counts: [f64; 3], u: f64) -> usize {
     let mut left = u * (counts[0] + counts[1] + counts[2]);
     for (channel, count) in counts.into_iter().enumerate() {
         left -= count;
@@ -188,7 +188,7 @@ mod tests {
             let (mut lost, count) = (Rgb::ZERO, 300);
             for index in 0..count * count {
                 let u = [even(index / count, count), even(index % count, count)];
-                let loss = along.pick_loss(weights, &losses, u).expect("a place");
+                let loss = along.sample_loss(weights, &losses, u).expect("a place");
                 assert!(loss.t >= losses.range.0 && loss.t <= losses.range.1);
                 let here = loss.through_per_density * medium.extinction_at(ray.at(loss.t));
                 // As the module's head says: no weight exceeds the sum of all.
@@ -216,7 +216,7 @@ mod tests {
                 even(index / counts[0] / counts[1], counts[2]),
             ];
             let (direction, weight) =
-                medium.pick_scattering(point, travel, Rgb::new(1.0, 0.1, 0.5), u).expect("there is fog");
+                medium.sample_scattering(point, travel, Rgb::new(1.0, 0.1, 0.5), u).expect("there is fog");
             scattered += weight / all as f64;
             forward += direction.dot(travel) * weight / all as f64;
         }
@@ -232,6 +232,6 @@ mod tests {
         let up = Ray { origin: DVec3::new(0.0, 1e4, 0.0), direction: DVec3::Y };
         assert!(medium.along(&up, f64::INFINITY).losses(Rgb::ONE).is_none());
         assert!(Medium::default().along(&up, 1.0).losses(Rgb::ONE).is_none());
-        assert!(medium.pick_scattering(up.origin, DVec3::X, Rgb::ONE, [0.5; 3]).is_none());
+        assert!(medium.sample_scattering(up.origin, DVec3::X, Rgb::ONE, [0.5; 3]).is_none());
     }
 }

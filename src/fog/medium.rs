@@ -61,7 +61,7 @@ impl Medium {
     }
 
     /// Whether some fog emits.
-    pub fn shines(&self) -> bool {
+    pub fn emits(&self) -> bool {
         !self.emitters.is_empty()
     }
 

@@ -34,6 +34,6 @@ pub use falloff::Falloff;
 pub use foggy_ray::FoggyRay;
 pub use lit_segments::LitSegments;
 pub use medium::Medium;
-pub use phase::{BEAM_DEGREES, henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
+pub use phase::{BEAM_DEGREES, henyey_greenstein, henyey_greenstein_pdf, sample_henyey_greenstein};
 pub use scattered::Passage;
 pub use slice::FogSlice;

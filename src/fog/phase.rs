@@ -39,18 +39,18 @@ pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
 
 /// Cosine of a deflection that a uniform number samples from [`henyey_greenstein`] (Witt 1977, "Multiple
 /// scattering in reflection nebulae I", eq. 19), and its density over the sphere, 1/sr.
-pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
+pub fn sample_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
     let cos = if g.abs() < EVEN {
         1.0 - 2.0 * u
     } else {
         let ratio = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
         ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
     };
-    (cos, picked_henyey_greenstein(g, cos))
+    (cos, henyey_greenstein_pdf(g, cos))
 }
 
-/// Probability density of [`pick_henyey_greenstein`] for a cosine, over the sphere, 1/sr.
-pub fn picked_henyey_greenstein(g: f64, cos_deflection: f64) -> f64 {
+/// Probability density of [`sample_henyey_greenstein`] for a cosine, over the sphere, 1/sr.
+pub fn henyey_greenstein_pdf(g: f64, cos_deflection: f64) -> f64 {
     henyey_greenstein(cos_deflection, if g.abs() < EVEN { 0.0 } else { g })
 }
 
@@ -120,8 +120,8 @@ mod tests {
             let count = 100_000;
             let mut integrals = [0.0; 3];
             for index in 0..count {
-                let (cos, density) = pick_henyey_greenstein(g, (f64::from(index) + 0.5) / f64::from(count));
-                assert_eq!(density, picked_henyey_greenstein(g, cos));
+                let (cos, density) = sample_henyey_greenstein(g, (f64::from(index) + 0.5) / f64::from(count));
+                assert_eq!(density, henyey_greenstein_pdf(g, cos));
                 for (power, sum) in integrals.iter_mut().enumerate() {
                     *sum += cos.powi(power as i32) / density / f64::from(count);
                 }

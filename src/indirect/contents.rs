@@ -103,7 +103,7 @@ impl<'a> Contents<'a> {
             WallLight { snapshot, lights, glow, nearest_m, grid, fog, walls, quadrature }.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
         let walls = walls.walls.scattered(&irradiances);
-        let has_emission = snapshot.glow().is_some() || snapshot.medium.shines();
+        let has_emission = snapshot.glow().is_some() || snapshot.medium.emits();
         let emission = has_emission.then(|| {
             let is_part = context.glow.is_none();
             let is_apart = !is_part || context.bounces != Bounces::All;

@@ -108,7 +108,7 @@ impl Indirect {
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
-        let cos = point.shine_normal.dot(point.to_eye).max(0.0);
+        let cos = point.specular_normal.dot(point.to_eye).max(0.0);
         let of_gloss = point.gloss.as_ref().map(|gloss| (gloss.albedo(cos), gloss.alpha()));
         let of_dielectric =
             point.dielectric.as_ref().map(|own| (own.albedos(cos).iter().sum(), own.alphas()[1]));
@@ -125,9 +125,9 @@ impl Indirect {
 
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of its specular
     /// reflection.
-    pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
+    pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_specular: f64) -> Rgb {
         let world = LazyCell::new(|| snapshot.in_the_middle(point));
-        let cos_eye = point.shine_normal.dot(point.to_eye).max(0.0);
+        let cos_eye = point.specular_normal.dot(point.to_eye).max(0.0);
         let of_dielectric = point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(cos_eye));
         let sent = point.albedo + point.transmission + of_dielectric[0] + of_dielectric[1];
         let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
@@ -144,14 +144,14 @@ impl Indirect {
         if point.transmission != Rgb::ZERO {
             radiance += FRAC_1_PI * beneath * point.transmission * gathered(Lobe::cosine(-normal));
         }
-        if share_of_shine == 0.0 {
+        if share_of_specular == 0.0 {
             return radiance;
         }
-        let normal = point.shine_normal;
+        let normal = point.specular_normal;
         let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
         if let Some(gloss) = &point.gloss {
             let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());
-            radiance += share_of_shine * FRAC_1_PI * gloss.albedo(cos_eye) * gathered(lobe);
+            radiance += share_of_specular * FRAC_1_PI * gloss.albedo(cos_eye) * gathered(lobe);
         }
         if let Some(dielectric) = &point.dielectric {
             let ([reflected, through], [alpha, alpha_through]) = (of_dielectric, dielectric.alphas());
@@ -162,7 +162,7 @@ impl Indirect {
                         -normal,
                         alpha_through,
                     ));
-            radiance += share_of_shine * FRAC_1_PI * seen;
+            radiance += share_of_specular * FRAC_1_PI * seen;
         }
         radiance
     }

@@ -35,7 +35,7 @@ impl Solved {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let mut solved = Self::of_bounces(snapshot, bounces, cancelled)?;
-        let glows = snapshot.glow().is_some() || snapshot.medium.shines();
+        let glows = snapshot.glow().is_some() || snapshot.medium.emits();
         if let Bounces::UpTo(count @ 1..) = bounces
             && snapshot.has_gloss()
             && (count > 1 || glows)
@@ -55,7 +55,7 @@ impl Solved {
         let layers = layers(snapshot, &mut surroundings, bounces);
         let plain_glows = layers.as_ref().is_some_and(Layers::ground_glows);
         // No ray samples the emission of fog.
-        let is_swept = plain_glows || snapshot.medium.shines();
+        let is_swept = plain_glows || snapshot.medium.emits();
         let glow = snapshot.glow().filter(|glow| !is_swept && glow.is_looked_for());
         let glow = glow.map(|glow| glow.luminaires(snapshot));
         let has_glow = glow.is_none();

@@ -50,7 +50,7 @@ impl Emission {
 
     /// Unit vector that two uniform numbers sample among the lit directions: uniformly, or by the cosine of a
     /// flat surface.
-    pub fn pick(&self, [u, v]: [f64; 2]) -> DVec3 {
+    pub fn sample(&self, [u, v]: [f64; 2]) -> DVec3 {
         let (axis, along) = match self {
             Self::Even => (DVec3::Y, 1.0 - 2.0 * u),
             Self::Spot(cone) | Self::Gridded(cone) => (cone.axis, 1.0 - (1.0 - cone.cos_outer) * u),
@@ -61,8 +61,8 @@ impl Emission {
         along * axis + (1.0 - along * along).max(0.0).sqrt() * (cos * right + sin * up)
     }
 
-    /// Probability density of [`Emission::pick`], 1/sr.
-    pub fn picked(&self, away: DVec3) -> f64 {
+    /// Probability density of [`Emission::sample`], 1/sr.
+    pub fn pdf(&self, away: DVec3) -> f64 {
         match self {
             Self::Even => 1.0 / (2.0 * TAU),
             Self::Spot(cone) | Self::Gridded(cone) => {

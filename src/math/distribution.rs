@@ -37,9 +37,9 @@ impl SquareDistribution {
     }
 
     /// Index of the cell that two uniform numbers sample, and the place within the square.
-    pub fn pick(&self, u: DVec2) -> (usize, DVec2) {
-        let (row, y) = pick(&self.rows, u.y);
-        let (column, x) = pick(&self.columns[row * (self.side + 1)..][..=self.side], u.x);
+    pub fn sample(&self, u: DVec2) -> (usize, DVec2) {
+        let (row, y) = sample_discrete(&self.rows, u.y);
+        let (column, x) = sample_discrete(&self.columns[row * (self.side + 1)..][..=self.side], u.x);
         let place = DVec2::new(column as f64 + x, row as f64 + y) / self.side as f64;
         (row * self.side + column, place)
     }
@@ -60,7 +60,7 @@ impl SquareDistribution {
 }
 
 /// Index of the step of `sums` that holds the share `u` of the total, and the position within the step.
-fn pick(sums: &[f64], u: f64) -> (usize, f64) {
+fn sample_discrete(sums: &[f64], u: f64) -> (usize, f64) {
     let wanted = u * sums[sums.len() - 1];
     // The last step that begins at or before the wanted sum and is not empty.
     let step = sums.partition_point(|sum| *sum <= wanted).clamp(1, sums.len() - 1) - 1;
@@ -78,21 +78,21 @@ mod tests {
         let densities = [0.0, 3.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 2.0];
         let table = SquareDistribution::new(3, densities.into_iter()).expect("it has a sum");
         let count = 1 << 12;
-        let mut picked = [0; 9];
+        let mut sampled = [0; 9];
         for sample in 0..count {
-            let (cell, place) = table.pick(Sampler::new(9, 0, 0, sample).next_2d().into());
+            let (cell, place) = table.sample(Sampler::new(9, 0, 0, sample).next_2d().into());
             assert_eq!(table.cell(place), cell);
-            picked[cell] += 1;
+            sampled[cell] += 1;
         }
-        for (picked, density) in picked.into_iter().zip(densities) {
+        for (sampled, density) in sampled.into_iter().zip(densities) {
             let expected = density / 8.0 * f64::from(count);
-            assert!((f64::from(picked) - expected).abs() <= 6.0, "{picked} instead of {expected}");
+            assert!((f64::from(sampled) - expected).abs() <= 6.0, "{sampled} instead of {expected}");
         }
         for (cell, density) in densities.into_iter().enumerate() {
             assert!((table.density(cell) - density * 9.0 / 8.0).abs() < 1e-14);
         }
         for u in [DVec2::ZERO, DVec2::splat(1.0 - 1e-16), DVec2::ONE] {
-            assert!(densities[table.pick(u).0] > 0.0, "{u}");
+            assert!(densities[table.sample(u).0] > 0.0, "{u}");
         }
     }
 

@@ -40,18 +40,18 @@ impl Importance {
     }
 
     /// Place that two uniform numbers sample, `0..1` across and down, and the weight of a probe there.
-    pub(super) fn pick(&self, u: DVec2) -> (DVec2, f64) {
+    pub(super) fn sample(&self, u: DVec2) -> (DVec2, f64) {
         let Shape { columns, rows } = self.density.shape;
-        let (row, down) = picked(self.rows.iter().copied(), u.y);
+        let (row, down) = sample_discrete(self.rows.iter().copied(), u.y);
         let density = |column: usize| self.density.of(column + columns * row);
-        let (column, across) = picked((0..columns).map(density), u.x);
+        let (column, across) = sample_discrete((0..columns).map(density), u.x);
         let place = DVec2::new((column as f64 + across) / columns as f64, (row as f64 + down) / rows as f64);
         (place, 1.0 / density(column))
     }
 }
 
 /// Index of the weight that a uniform number samples, and the remainder of the number, uniform again.
-fn picked(weights: impl ExactSizeIterator<Item = f64> + Clone, u: f64) -> (usize, f64) {
+fn sample_discrete(weights: impl ExactSizeIterator<Item = f64> + Clone, u: f64) -> (usize, f64) {
     let (last, mut left) = (weights.len() - 1, u * weights.clone().sum::<f64>());
     for (number, weight) in weights.enumerate() {
         if number == last || left < weight {
@@ -77,7 +77,7 @@ mod tests {
         let count = 400 * shape.count();
         for number in 0..count {
             let u = DVec2::new((number as f64 + 0.5) / count as f64, kronecker(0.3, number));
-            let (place, counts) = importance.pick(u);
+            let (place, counts) = importance.sample(u);
             *sums.cell_mut(shape.cell_at(place)) += counts;
         }
         for cell in 0..shape.count() {

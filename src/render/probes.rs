@@ -51,7 +51,7 @@ pub(super) fn probes(
             let sampler = |column: u32| {
                 Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
             };
-            let (place, weight) = plan.importance.pick(sampler(0).next_2d().into());
+            let (place, weight) = plan.importance.sample(sampler(0).next_2d().into());
             let ray = snapshot.view.ray(place.x, place.y);
             let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
                 let (all, mut sampler) = (Component::Indirect(plan.branches), sampler(column));

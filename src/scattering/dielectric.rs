@@ -1,6 +1,6 @@
 //! A dielectric that is a share of a surface: a thin sheet, or one face of a body. In go directions and the
 //! normal on the side of the eye, out comes a BSDF. Invariant: reflection and transmission are sampled from
-//! the densities that `picked` returns.
+//! the densities that `pdf` returns.
 
 use super::{Interface, ThinDielectric};
 use crate::color::Rgb;
@@ -42,19 +42,19 @@ impl Dielectric {
 
     /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
     /// reflection.
-    pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
+    pub fn sample(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         match self {
-            Self::Thin(sheet) => sheet.pick(normal, to_eye, is_through, u),
-            Self::Interface(face) => face.pick(normal, to_eye, is_through, u),
+            Self::Thin(sheet) => sheet.sample(normal, to_eye, is_through, u),
+            Self::Interface(face) => face.sample(normal, to_eye, is_through, u),
         }
     }
 
-    /// Probability densities of [`Dielectric::pick`] for a direction, 1/sr: in reflection and in
+    /// Probability densities of [`Dielectric::sample`] for a direction, 1/sr: in reflection and in
     /// transmission.
-    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
+    pub fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         match self {
-            Self::Thin(sheet) => sheet.picked(normal, to_eye, to_light),
-            Self::Interface(face) => face.picked(normal, to_eye, to_light),
+            Self::Thin(sheet) => sheet.pdf(normal, to_eye, to_light),
+            Self::Interface(face) => face.pdf(normal, to_eye, to_light),
         }
     }
 

@@ -155,13 +155,13 @@ impl Gloss {
 
     /// Samples a direction to the light by two uniform numbers, with a density close to the BRDF times the
     /// cosine: a visible microfacet mirrors the eye. It may lie below the surface.
-    pub fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
-        self.microfacets.pick(normal, to_eye, u)
+    pub fn sample(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+        self.microfacets.sample(normal, to_eye, u)
     }
 
-    /// Probability density of [`Gloss::pick`] for a direction, 1/sr.
-    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
-        self.microfacets.picked(normal, to_eye, to_light)
+    /// Probability density of [`Gloss::sample`] for a direction, 1/sr.
+    pub fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
+        self.microfacets.pdf(normal, to_eye, to_light)
     }
 
     /// Factor on the BRDF of the diffuse base, for the cosines of both directions. It belongs to the
@@ -326,8 +326,8 @@ mod tests {
                 let (mut sum, count) = (0.0, 200);
                 for index in 0..count * count {
                     let u = DVec2::new(f64::from(index % count), f64::from(index / count)) + 0.5;
-                    let to_light = gloss.pick(normal, to_eye, u / f64::from(count));
-                    let weight = normal.dot(to_light) / gloss.picked(normal, to_eye, to_light);
+                    let to_light = gloss.sample(normal, to_eye, u / f64::from(count));
+                    let weight = normal.dot(to_light) / gloss.pdf(normal, to_eye, to_light);
                     sum += gloss.brdf(normal, to_eye, to_light).x * weight / f64::from(count * count);
                 }
                 assert!((sum - gloss.albedo(cos).x).abs() < 4e-3, "{roughness} {cos}: {sum}");

@@ -94,29 +94,29 @@ impl Interface {
 
     /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
     /// reflection. It may lie on the other side.
-    pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
+    pub fn sample(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         if !is_through {
-            return self.microfacets.pick(normal, to_eye, u);
+            return self.microfacets.sample(normal, to_eye, u);
         }
-        let half = self.microfacets.pick_facet(normal, to_eye, u);
+        let half = self.microfacets.sample_facet(normal, to_eye, u);
         refracted(self.eta, half, to_eye).unwrap_or_else(|| {
             let reflected = 2.0 * to_eye.dot(half) * half - to_eye;
             if reflected.dot(normal) < 0.0 { mirrored(normal, reflected) } else { reflected }
         })
     }
 
-    /// Probability densities of [`Interface::pick`] for a direction, 1/sr: in reflection and in transmission.
-    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
+    /// Probability densities of [`Interface::sample`] for a direction, 1/sr: in reflection and in transmission.
+    pub fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         let cos_eye = normal.dot(to_eye);
         if cos_eye <= 0.0 {
             return [0.0; 2];
         }
-        let reflected = self.microfacets.picked(normal, to_eye, to_light);
+        let reflected = self.microfacets.pdf(normal, to_eye, to_light);
         // Facets with total reflection are sampled for transmission, too, and reflect upwards.
         let of_total = |to_light: DVec3| {
             let half = (to_eye + to_light).try_normalize().unwrap_or(normal);
             let is_total = reflectance(self.eta, to_eye.dot(half)) >= 1.0;
-            if is_total { self.microfacets.picked(normal, to_eye, to_light) } else { 0.0 }
+            if is_total { self.microfacets.pdf(normal, to_eye, to_light) } else { 0.0 }
         };
         let is_above = normal.dot(to_light) >= 0.0;
         let total = if is_above { of_total(to_light) + of_total(mirrored(normal, to_light)) } else { 0.0 };
@@ -288,8 +288,8 @@ mod tests {
                 let sums = [false, true].map(|is_through| {
                     let sent = |index: i32| {
                         let u = DVec2::new(f64::from(index % count), f64::from(index / count)) + 0.5;
-                        let to_light = face.pick(DVec3::Z, to_eye, is_through, u / f64::from(count));
-                        let density = face.picked(DVec3::Z, to_eye, to_light)[usize::from(is_through)];
+                        let to_light = face.sample(DVec3::Z, to_eye, is_through, u / f64::from(count));
+                        let density = face.pdf(DVec3::Z, to_eye, to_light)[usize::from(is_through)];
                         let weight = face.bsdf(DVec3::Z, to_eye, to_light) * to_light.z.abs() / density;
                         if density > 0.0 && (to_light.z < 0.0) == is_through { weight.x } else { 0.0 }
                     };

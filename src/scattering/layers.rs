@@ -191,10 +191,10 @@ mod tests {
                 let mut reflected = 0.0;
                 for index in 0..count * count {
                     let u = DVec2::new(f64::from(index % count), f64::from(index / count)) + 0.5;
-                    let to_light = coat.gloss.pick(DVec3::Z, to_eye, u / f64::from(count));
+                    let to_light = coat.gloss.sample(DVec3::Z, to_eye, u / f64::from(count));
                     if to_light.z > 0.0 {
                         let brdf = coat.gloss.brdf(DVec3::Z, to_eye, to_light).x;
-                        reflected += brdf * to_light.z / coat.gloss.picked(DVec3::Z, to_eye, to_light);
+                        reflected += brdf * to_light.z / coat.gloss.pdf(DVec3::Z, to_eye, to_light);
                     }
                 }
                 reflected /= f64::from(count * count);

@@ -1,5 +1,5 @@
 //! Microfacets of one roughness. In go unit vectors, out come factors of a BRDF, and sampled directions.
-//! Invariant: [`Microfacets::picked`] is the density of [`Microfacets::pick`].
+//! Invariant: [`Microfacets::pdf`] is the density of [`Microfacets::sample`].
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
 use super::ggx::{self, Shadowing, visible_normal};
@@ -46,7 +46,7 @@ impl Microfacets {
 
     /// Samples a direction to the light by two uniform numbers, with a density close to the BRDF times the
     /// cosine: a visible microfacet mirrors the eye. It may lie below the surface.
-    pub(super) fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+    pub(super) fn sample(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         let [across, up] = across(normal);
         let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
         let half = self.visible(local, u);
@@ -55,7 +55,7 @@ impl Microfacets {
     }
 
     /// Samples the normal of a visible microfacet by two uniform numbers.
-    pub(super) fn pick_facet(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+    pub(super) fn sample_facet(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         let [across, up] = across(normal);
         let half = self.visible(DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal)), u);
         half.x * across + half.y * up + half.z * normal
@@ -65,8 +65,8 @@ impl Microfacets {
         visible_normal(self.alpha, local, DVec2::from_angle(2.0 * PI * u.x), u.y)
     }
 
-    /// Probability density of [`Microfacets::pick`], 1/sr (Heitz 2018, equations 2, 3 and 17).
-    pub(super) fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
+    /// Probability density of [`Microfacets::sample`], 1/sr (Heitz 2018, equations 2, 3 and 17).
+    pub(super) fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
         // No microfacet faces down.
         let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);
         let Some(half) = half else { return 0.0 };

@@ -11,7 +11,7 @@ mod interface;
 mod layers;
 mod microfacets;
 mod sheen;
-mod shine_normal;
+mod specular_normal;
 mod thin_dielectric;
 
 pub use albedos::LEAST_ROUGHNESS;
@@ -21,5 +21,5 @@ pub use gloss::Gloss;
 pub use interface::Interface;
 pub use layers::{Clearcoat, Layers};
 pub use sheen::Sheen;
-pub use shine_normal::shine_normal;
+pub use specular_normal::specular_normal;
 pub use thin_dielectric::ThinDielectric;

@@ -70,18 +70,18 @@ impl ThinDielectric {
 
     /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
     /// reflection.
-    pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
+    pub fn sample(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         if is_through {
-            return self.transmitting.pick(-normal, mirrored(normal, to_eye), u);
+            return self.transmitting.sample(-normal, mirrored(normal, to_eye), u);
         }
-        self.reflecting.pick(normal, to_eye, u)
+        self.reflecting.sample(normal, to_eye, u)
     }
 
-    /// Probability densities of [`ThinDielectric::pick`] for a direction, 1/sr: in reflection and in
+    /// Probability densities of [`ThinDielectric::sample`] for a direction, 1/sr: in reflection and in
     /// transmission.
-    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
-        let through = self.transmitting.picked(-normal, mirrored(normal, to_eye), to_light);
-        [self.reflecting.picked(normal, to_eye, to_light), through]
+    pub fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
+        let through = self.transmitting.pdf(-normal, mirrored(normal, to_eye), to_light);
+        [self.reflecting.pdf(normal, to_eye, to_light), through]
     }
 }
 
@@ -114,11 +114,11 @@ mod tests {
         let count = 300;
         let weigh = |index: i32| {
             let u = DVec2::new(f64::from(index % count), f64::from(index / count)) + 0.5;
-            let to_light = sheet.pick(DVec3::Z, to_eye, is_through, u / f64::from(count));
+            let to_light = sheet.sample(DVec3::Z, to_eye, is_through, u / f64::from(count));
             if (to_light.z < 0.0) != is_through {
                 return Rgb::ZERO;
             }
-            let density = sheet.picked(DVec3::Z, to_eye, to_light)[usize::from(is_through)];
+            let density = sheet.pdf(DVec3::Z, to_eye, to_light)[usize::from(is_through)];
             sheet.bsdf(DVec3::Z, to_eye, to_light) * to_light.z.abs() / density
         };
         (0..count * count).map(weigh).sum::<Rgb>() / f64::from(count * count)

@@ -43,7 +43,7 @@ pub enum DarkCause {
 /// Whether surfaces or fires shine of themselves.
 pub(super) fn glows(scene: &Scene, time_s: f64) -> bool {
     scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO)
-        || scene.fogs.iter().any(|fog| fog.shape.shines())
+        || scene.fogs.iter().any(|fog| fog.shape.emits())
 }
 
 /// The likeliest cause of a dark picture at a time, of which things cover the share `covered`.

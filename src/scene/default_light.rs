@@ -25,7 +25,7 @@ const SKY_RADIANCE: f64 = 0.25;
 /// Whether the scene has no light, sky, background or emissive fog. Emissive surfaces alone still get a
 /// default light, to be seen better.
 pub(super) fn is_wanted(scene: &Scene) -> bool {
-    let has_fire = scene.fogs.iter().any(|fog| fog.shape.shines());
+    let has_fire = scene.fogs.iter().any(|fog| fog.shape.emits());
     scene.lights.is_empty() && scene.sky.is_none() && scene.background == Rgb::ZERO && !has_fire
 }
 

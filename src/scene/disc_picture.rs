@@ -53,7 +53,7 @@ impl DiscPicture {
     /// Point of the disc, and the colour of the whole light if it came from there: its channels have the mean
     /// 1 and are at most 3.
     pub fn point(&self, u: DVec2) -> (DVec2, Rgb) {
-        let (cell, place) = self.by_brightness.pick(u);
+        let (cell, place) = self.by_brightness.sample(u);
         let color = self.color(cell);
         (disc_from_square(place), color / brightness(color))
     }

@@ -56,7 +56,7 @@ impl FogShape {
     }
 
     /// Whether it has emission.
-    pub fn shines(&self) -> bool {
+    pub fn emits(&self) -> bool {
         matches!(self, Self::Voxels(grids) if grids.names.emission.is_some())
     }
 

@@ -32,11 +32,11 @@ pub struct Contents<'scene> {
 }
 
 impl<'scene> Contents<'scene> {
-    /// Contents of a moment, with those of the scene's lights that `shining` selects.
-    pub(super) fn of(moment: &Moment<'scene, '_>, trees: &MeshTrees, shining: &[bool]) -> Self {
+    /// Contents of a moment, with those of the scene's lights that `lights_on` selects.
+    pub(super) fn of(moment: &Moment<'scene, '_>, trees: &MeshTrees, lights_on: &[bool]) -> Self {
         let &Moment { scene, time_s, eye: origin, .. } = moment;
         let medium = moment.medium();
-        let lights = moment.lights(shining, &medium);
+        let lights = moment.lights(lights_on, &medium);
         let classes = moment.instances(trees);
         let [opaque, _] = &classes;
         let still = moment.still.and_then(|still| still.tree(&opaque.meshes[..opaque.still], origin));
@@ -59,7 +59,7 @@ impl<'scene> Contents<'scene> {
         scene: &'scene Scene,
         trees: &MeshTrees,
         time_s: f64,
-        shining: &[bool],
+        lights_on: &[bool],
     ) -> Self {
         let placements = scene.placements(time_s);
         let instances = scene.instances.iter().map(|instance| instance.node);
@@ -67,7 +67,7 @@ impl<'scene> Contents<'scene> {
         let visible = nodes.map(|node| &placements[node]).filter(|placement| placement.visible);
         let eye = median(visible.map(|placement| placement.world_from_node.translation));
         let moment = Moment { scene, time_s, frame_s: time_s, placements, eye, still: None };
-        Self::of(&moment, trees, shining)
+        Self::of(&moment, trees, lights_on)
     }
 
     /// Prepares the contents for tracing, relative to their origin.

@@ -6,7 +6,7 @@
 //! then.
 
 use super::middle::Middle;
-use super::moment::shining;
+use super::moment::lights_on;
 use super::still::Still;
 use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
@@ -34,7 +34,7 @@ pub struct Exposure<'scene> {
     times_s: Vec<f64>,
     middle_s: f64,
     /// Whether each of the scene's lights emits at any moment of the shutter.
-    shining: Vec<bool>,
+    lights_on: Vec<bool>,
     motion: Option<Arc<MotionField>>,
     mattes: Option<Arc<[u32]>>,
     frozen: OnceLock<Frozen<'scene>>,
@@ -86,8 +86,8 @@ impl<'scene> Exposure<'scene> {
             .map(|moment| shutter.open_s + duration_s * (moment as f64 + 0.5) / moments as f64)
             .collect();
         let either = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
-        let shining = times_s.iter().map(|time_s| shining(scene, *time_s));
-        let shining = shining.reduce(either).unwrap_or_default();
+        let lights_on = times_s.iter().map(|time_s| lights_on(scene, *time_s));
+        let lights_on = lights_on.reduce(either).unwrap_or_default();
         let middle_s = times_s[moments / 2];
         Self {
             scene,
@@ -95,7 +95,7 @@ impl<'scene> Exposure<'scene> {
             framing,
             times_s: chosen(&times_s).to_vec(),
             middle_s,
-            shining,
+            lights_on,
             motion: None,
             mattes: None,
             frozen: OnceLock::new(),
@@ -108,7 +108,7 @@ impl<'scene> Exposure<'scene> {
         let still = is_shared.then(|| Still::of(self.scene)).flatten();
         let freeze = |&time_s: &f64, middle: &Arc<Middle>| {
             let instant = Instant { time_s, frame_s: self.middle_s, still: still.as_ref() };
-            let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);
+            let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.lights_on);
             let (motion, mattes) = (self.motion.clone(), self.mattes.clone());
             Snapshot { middle: Arc::clone(middle), motion, mattes, ..snapshot }
         };
@@ -126,7 +126,7 @@ impl<'scene> Exposure<'scene> {
 
     /// Contents of the middle moment, independent of the camera.
     pub fn contents(&self) -> Contents<'scene> {
-        Contents::apart_from_camera(self.scene, self.trees, self.middle_s, &self.shining)
+        Contents::apart_from_camera(self.scene, self.trees, self.middle_s, &self.lights_on)
     }
 
     /// Returns a warning if an open shutter has fewer moments than smooth motion blur needs.

@@ -157,22 +157,22 @@ impl Glow {
     }
 
     /// A point that three uniform numbers sample for a place to be lit, and its triangle.
-    pub fn pick(&self, snapshot: &Snapshot, place: DVec3, u: [f64; 3]) -> (PrimitiveId, DVec3) {
-        let (triangle, point, _) = self.pick_by(snapshot, |body| body.weight(place), u);
+    pub fn sample(&self, snapshot: &Snapshot, place: DVec3, u: [f64; 3]) -> (PrimitiveId, DVec3) {
+        let (triangle, point, _) = self.sample_by(snapshot, |body| body.weight(place), u);
         (triangle, point)
     }
 
-    /// As [`Self::pick`], for a range of a ray to be lit; with its probability density, 1/m^2.
-    pub fn pick_along(
+    /// As [`Self::sample`], for a range of a ray to be lit; with its probability density, 1/m^2.
+    pub fn sample_along(
         &self,
         snapshot: &Snapshot,
         (ray, range): (&Ray, (f64, f64)),
         u: [f64; 3],
     ) -> (PrimitiveId, DVec3, f64) {
-        self.pick_by(snapshot, |body| body.weight_along(ray, range), u)
+        self.sample_by(snapshot, |body| body.weight_along(ray, range), u)
     }
 
-    fn pick_by(
+    fn sample_by(
         &self,
         snapshot: &Snapshot,
         weight: impl Fn(&Body) -> f64,
@@ -202,8 +202,8 @@ impl Glow {
         self.bodies.iter().map(of_body).sum::<f64>() / self.weight(place)
     }
 
-    /// Probability density of [`Glow::pick`] for points of a triangle, 1/m^2; 0 if it does not emit.
-    pub fn picked_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
+    /// Probability density of [`Glow::sample`] for points of a triangle, 1/m^2; 0 if it does not emit.
+    pub fn pdf_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
         let brightness = luminance(snapshot.emission(primitive));
         if brightness <= 0.0 {
             return 0.0;

@@ -31,7 +31,7 @@ use crate::fog::Medium;
 use crate::scene::{Material, RenderSettings, Scene};
 use glam::{DAffine3, DVec3};
 use middle::Middle;
-use moment::{Moment, Placed, shining};
+use moment::{Moment, Placed, lights_on};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 use still::Still;
@@ -155,22 +155,22 @@ impl<'scene> Snapshot<'scene> {
     ) -> Self {
         let time_s = shutter.middle_s();
         let instant = Instant { time_s, frame_s: time_s, still: None };
-        Self::at(scene, trees, Framing { camera, aspect }, instant, &shining(scene, time_s))
+        Self::at(scene, trees, Framing { camera, aspect }, instant, &lights_on(scene, time_s))
     }
 
-    /// Freezes a moment, with those of the scene's lights that `shining` selects.
+    /// Freezes a moment, with those of the scene's lights that `lights_on` selects.
     fn at(
         scene: &'scene Scene,
         trees: &MeshTrees,
         Framing { camera, aspect }: Framing,
         Instant { time_s, frame_s, still }: Instant,
-        shining: &[bool],
+        lights_on: &[bool],
     ) -> Self {
         let placements = scene.placements(time_s);
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
         let moment = Moment { scene, time_s, frame_s, placements, eye: view.eye, still };
-        let contents = Contents::of(&moment, trees, shining);
+        let contents = Contents::of(&moment, trees, lights_on);
         drop(moment);
         contents.seen_by(view)
     }

@@ -133,10 +133,10 @@ impl<'scene> Moment<'scene, '_> {
             let (sigma_t, albedo) = (sigma_t * part.extinction, albedo * part.albedo);
             FogBank::of_voxels(relative_from_voxel, Arc::clone(&part.voxels), sigma_t, albedo, g)
         }));
-        let relative_from_shining = relative_from_node * voxels.shape_from_shining;
+        let relative_from_emission = relative_from_node * voxels.shape_from_emission;
         let emission = grids.emission.at(time_s);
-        emitters.extend(voxels.shining.iter().filter_map(|(color, voxels)| {
-            Emitter::new(relative_from_shining, Arc::clone(voxels), emission * *color)
+        emitters.extend(voxels.emission.iter().filter_map(|(color, voxels)| {
+            Emitter::new(relative_from_emission, Arc::clone(voxels), emission * *color)
         }));
     }
 
@@ -164,12 +164,12 @@ impl<'scene> Moment<'scene, '_> {
         }
     }
 
-    /// Lights that `shining` selects, suns of the sky last.
-    pub(super) fn lights(&self, shining: &[bool], medium: &Medium) -> Vec<Luminaire> {
+    /// Lights that `lights_on` selects, suns of the sky last.
+    pub(super) fn lights(&self, lights_on: &[bool], medium: &Medium) -> Vec<Luminaire> {
         let of_sky = self.scene.sky.iter().flat_map(|sky| sky.suns_at(self.time_s));
-        let of_sky = of_sky.zip(&shining[self.scene.lights.len()..]).filter(|(_, shines)| **shines);
+        let of_sky = of_sky.zip(&lights_on[self.scene.lights.len()..]).filter(|(_, is_on)| **is_on);
         let of_sky = of_sky.map(|(sun, _)| Luminaire::of_sky(&sun));
-        let shining = self.scene.lights.iter().zip(shining).filter(|(_, shines)| **shines);
+        let lights_on = self.scene.lights.iter().zip(lights_on).filter(|(_, is_on)| **is_on);
         let luminaire = |(light, _): (&Light, _)| {
             let relative_from_light = self.relative_from(light.node);
             let extinction_per_m = medium.extinction_at(relative_from_light.translation);
@@ -178,7 +178,7 @@ impl<'scene> Moment<'scene, '_> {
             let luminaire = luminaire.in_fog(extinction_per_m);
             if self.placements[light.node].visible { luminaire } else { luminaire.switched_off() }
         };
-        shining.map(luminaire).chain(of_sky).collect()
+        lights_on.map(luminaire).chain(of_sky).collect()
     }
 
     /// All materials.
@@ -193,10 +193,10 @@ impl<'scene> Moment<'scene, '_> {
 }
 
 /// Whether each of a scene's lights emits, and then each sun of its sky.
-pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
-    let shines =
+pub(super) fn lights_on(scene: &Scene, time_s: f64) -> Vec<bool> {
+    let is_on =
         |light: &Light| light.power.at(time_s).max_element() > 0.0 && scene.is_visible(light.node, time_s);
     let suns = scene.sky.iter().flat_map(|sky| sky.suns_at(time_s));
     let of_sky = suns.map(|sun| sun.irradiance.max_element() > 0.0);
-    scene.lights.iter().map(shines).chain(of_sky).collect()
+    scene.lights.iter().map(is_on).chain(of_sky).collect()
 }

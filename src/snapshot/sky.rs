@@ -64,16 +64,16 @@ impl<'scene> FrozenSky<'scene> {
 
     /// The direction that two uniform numbers sample, with about the density of its radiance; `None` if it is
     /// uniform.
-    pub fn pick(&self, u: DVec2) -> Option<DVec3> {
-        self.sky.pick(u).map(|direction| turned(direction, self.turn))
+    pub fn sample(&self, u: DVec2) -> Option<DVec3> {
+        self.sky.sample(u).map(|direction| turned(direction, self.turn))
     }
 
-    /// Probability density of [`FrozenSky::pick`] for a direction, 1/sr; 0 if it samples none.
-    pub fn picked(&self, direction: DVec3) -> f64 {
-        self.sky.picked(self.before_turn(direction))
+    /// Probability density of [`FrozenSky::sample`] for a direction, 1/sr; 0 if it samples none.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        self.sky.pdf(self.before_turn(direction))
     }
 
-    /// Whether [`FrozenSky::pick`] samples directions.
+    /// Whether [`FrozenSky::sample`] samples directions.
     pub fn is_uneven(&self) -> bool {
         self.sky.is_uneven()
     }

@@ -8,10 +8,10 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId, prefetch};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scattering::{Dielectric, Gloss, Layers, shine_normal};
+use crate::scattering::{Dielectric, Gloss, Layers, specular_normal};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DMat3, DVec3, Vec3, Vec4};
-use texels::{FacetTexels, Shine};
+use texels::{FacetTexels, Specular};
 
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ pub struct SurfacePoint {
     /// Shading normal before the normal map, where its bumps cast shadows on themselves.
     pub unbent_normal: Option<DVec3>,
     /// Shading normal of specular reflection: where bumps shade themselves it mirrors no light from within.
-    pub shine_normal: DVec3,
+    pub specular_normal: DVec3,
     /// Lambert reflectance.
     pub albedo: Rgb,
     /// Lambert transmittance.
@@ -223,7 +223,7 @@ impl Facet<'_> {
         let is_within = (self.normal.dot(ray.direction) > 0.0) != self.is_turned;
         let metal_paint = if material.has_plain_metal { Rgb::ONE } else { paint };
         let color = material.metal_color.map_or(base_color, |color| color * metal_paint);
-        let Shine { gloss, dielectric, matte } = texels.shine(color, is_within);
+        let Specular { gloss, dielectric, matte } = texels.specular(color, is_within);
         let transmission = material.transmission * texels.of(material.transmission_texture);
         let emission = match material.emission {
             Rgb::ZERO => Rgb::ZERO,
@@ -233,9 +233,9 @@ impl Facet<'_> {
         let to_eye = -ray.direction;
         let bent = material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights));
         let unbent_normal = material.has_bump_shadows.then_some(unbent);
-        let shine_normal = unbent_normal.map_or(bent, |_| shine_normal(geometric_normal, to_eye, bent));
+        let specular_normal = unbent_normal.map_or(bent, |_| specular_normal(geometric_normal, to_eye, bent));
         let [reflected, transmitted] = match &gloss {
-            Some(gloss) => gloss.leaves_in_turn(material.coat_takes, shine_normal.dot(to_eye)),
+            Some(gloss) => gloss.leaves_in_turn(material.coat_takes, specular_normal.dot(to_eye)),
             None => [Rgb::ONE; 2],
         };
         SurfacePoint {
@@ -243,7 +243,7 @@ impl Facet<'_> {
             geometric_normal,
             shading_normal: bent,
             unbent_normal,
-            shine_normal,
+            specular_normal,
             albedo: reflected * base_color * matte,
             transmission: transmitted * transmission * matte,
             gloss,

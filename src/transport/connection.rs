@@ -19,7 +19,7 @@ pub(super) struct Receiver<'a> {
     /// Share of the radiance from a direction that is scattered, 1/sr, in fog 1/(m sr).
     pub(super) scattered: &'a dyn Fn(DVec3) -> Rgb,
     /// Probability density with which walks sample a direction, 1/sr.
-    pub(super) picked: &'a dyn Fn(DVec3) -> f64,
+    pub(super) pdf: &'a dyn Fn(DVec3) -> f64,
 }
 
 /// Sampled point of a triangle.
@@ -54,7 +54,7 @@ impl Receiver<'_> {
         }
         let point = snapshot.facet(target.primitive).seen_along(&ray, distance);
         let fog = snapshot.medium.transmittance(self.place, direction, distance);
-        let density = per_sr(target.per_m2, &point, distance) + (self.picked)(direction);
+        let density = per_sr(target.per_m2, &point, distance) + (self.pdf)(direction);
         let sum = scattered * visible * fog * radiance(&point) * point.alpha / density;
         if sum.is_finite() { sum } else { Rgb::ZERO }
     }

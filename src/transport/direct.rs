@@ -87,7 +87,8 @@ impl Unshadowed {
             return Self::new(light, point);
         }
         let (to_light, distance, arriving) = light.arriving_at(point.position);
-        let [all, shine] = [point, &shining(point)].map(|point| scattered_per_radiance(point, to_light));
+        let [all, shine] =
+            [point, &specular_part(point)].map(|point| scattered_per_radiance(point, to_light));
         Some(Self { radiance: arriving * (all - shine).max(Rgb::ZERO), to_light, distance })
     }
 }
@@ -105,7 +106,7 @@ fn is_image(light: &FrozenLight, point: &SurfacePoint) -> bool {
 }
 
 /// The surface with its specular lobes alone.
-pub(super) fn shining(point: &SurfacePoint) -> SurfacePoint {
+pub(super) fn specular_part(point: &SurfacePoint) -> SurfacePoint {
     SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point }
 }
 
@@ -123,9 +124,9 @@ pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> R
 fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let is_before = point.geometric_normal.dot(to_light) > 0.0;
     let (side, lambert) = if is_before { (1.0, point.albedo) } else { (-1.0, point.transmission) };
-    let (normal, shine_normal) = (point.shading_normal, point.shine_normal);
+    let (normal, specular_normal) = (point.shading_normal, point.specular_normal);
     // Light on different sides of the normal and of the triangle is lost.
-    let [cos, cos_shine] = [normal, shine_normal].map(|normal| (side * normal.dot(to_light)).max(0.0));
+    let [cos, cos_shine] = [normal, specular_normal].map(|normal| (side * normal.dot(to_light)).max(0.0));
     if cos == 0.0 && cos_shine == 0.0 {
         return Rgb::ZERO;
     }
@@ -133,14 +134,14 @@ fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let mut scattered = FRAC_1_PI * cos * not_shaded * lambert;
     if let Some(gloss) = &point.gloss {
         // Seen from behind, as interpolated normals may be at a silhouette, there is no specular reflection.
-        let cos_eye = shine_normal.dot(point.to_eye).max(0.0);
+        let cos_eye = specular_normal.dot(point.to_eye).max(0.0);
         scattered *= gloss.beneath(cos_eye, cos);
         if is_before {
-            scattered += cos_shine * gloss.brdf(shine_normal, point.to_eye, to_light);
+            scattered += cos_shine * gloss.brdf(specular_normal, point.to_eye, to_light);
         }
     }
     if let Some(dielectric) = &point.dielectric {
-        scattered += cos_shine * dielectric.bsdf(shine_normal, point.to_eye, to_light);
+        scattered += cos_shine * dielectric.bsdf(specular_normal, point.to_eye, to_light);
     }
     scattered
 }

@@ -33,14 +33,14 @@ pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, l
 }
 
 /// Samples a distance along the ray, up to `distance`, in a lamp's light; with its density, 1/m.
-pub(super) fn pick(path: &mut Path, ray: &Ray, distance: f64, lamp: &FrozenLight) -> Option<(f64, f64)> {
+pub(super) fn sample(path: &mut Path, ray: &Ray, distance: f64, lamp: &FrozenLight) -> Option<(f64, f64)> {
     let u = path.sampler.next_1d();
     let FrozenLight::Point { position, .. } = lamp else { return None };
     let (start, end) = lit(lamp, ray, path.snapshot.medium.range(ray, distance)?)?;
     Some(equiangular(ray, *position, start, end, u))
 }
 
-/// Probability density with which [`pick`] samples a distance, 1/m.
+/// Probability density with which [`sample`] samples a distance, 1/m.
 pub(super) fn per_m(path: &Path, (ray, distance): (&Ray, f64), lamp: &FrozenLight, t: f64) -> f64 {
     let range = path.snapshot.medium.range(ray, distance);
     match (lamp, range.and_then(|range| lit(lamp, ray, range))) {
@@ -67,7 +67,7 @@ fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64,
 
 fn equiangular(ray: &Ray, light: DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
     let angle = Angle::of(ray, light);
-    let t = angle.pick((start, end), u);
+    let t = angle.sample((start, end), u);
     (t, angle.per_m((start, end), t))
 }
 
@@ -89,12 +89,12 @@ impl Angle {
     }
 
     /// Maps a uniform number to a distance within a range, uniform in the angle.
-    pub(super) fn pick(&self, (start, end): (f64, f64), u: f64) -> f64 {
+    pub(super) fn sample(&self, (start, end): (f64, f64), u: f64) -> f64 {
         let (from, to) = (self.at(start), self.at(end));
         (self.nearest + self.gap * (from + u * (to - from)).tan()).clamp(start, end)
     }
 
-    /// Probability density of [`Self::pick`], 1/m.
+    /// Probability density of [`Self::sample`], 1/m.
     pub(super) fn per_m(&self, (start, end): (f64, f64), t: f64) -> f64 {
         let offset = t - self.nearest;
         self.gap / ((self.at(end) - self.at(start)) * (self.gap * self.gap + offset * offset))

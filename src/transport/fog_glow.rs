@@ -9,7 +9,7 @@ use crate::math::Ray;
 /// Radiance that fog emits along a ray on its way, past blended surfaces, W m^-2 sr^-1.
 pub(super) fn on_the_way(path: &Path, ray: &Ray, way: &Way) -> Rgb {
     let medium = &path.snapshot.medium;
-    if !path.light.has_rest || !medium.shines() {
+    if !path.light.has_rest || !medium.emits() {
         return Rgb::ZERO;
     }
     let along = medium.along(ray, way.distance);

@@ -24,24 +24,24 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
     let (Some(lobes), Some(glow)) = (Lobes::of(point), path.snapshot.glow()) else { return Rgb::ZERO };
     let [far, about] = SHARES_OF_POINTS;
     let share_of_points = far + (about - far) * glow.nearness(point.position);
-    let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point };
+    let specular = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point };
     let of_others = |direction| match share_of_others {
         0.0 => Rgb::ZERO,
-        share => share * scattered_per_radiance(&shining, direction),
+        share => share * scattered_per_radiance(&specular, direction),
     };
     let receiver = Receiver {
         place: point.position,
         leaving: Some(point.primitive),
         scattered: &|to| (scattered_per_radiance(point, to) - of_others(to)).max(Rgb::ZERO),
         // One of the two techniques is chosen for each ray.
-        picked: &|to| (1.0 / share_of_points - 1.0) * lobes.picked(point, to),
+        pdf: &|to| (1.0 / share_of_points - 1.0) * lobes.pdf(point, to),
     };
     if path.sampler.next_1d() < share_of_points {
         return scattered(path, &receiver, None) / share_of_points;
     }
-    let direction = lobes.pick(point, DVec2::from(path.sampler.next_2d()));
+    let direction = lobes.sample(point, DVec2::from(path.sampler.next_2d()));
     let per_picked =
-        (receiver.scattered)(direction) / ((1.0 - share_of_points) * lobes.picked(point, direction));
+        (receiver.scattered)(direction) / ((1.0 - share_of_points) * lobes.pdf(point, direction));
     if per_picked.is_finite() { met_along(path, &receiver, (direction, per_picked)) } else { Rgb::ZERO }
 }
 
@@ -53,7 +53,7 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
     }
     let snapshot = path.snapshot;
     let ray = Ray { origin: receiver.place, direction };
-    let density = (receiver.picked)(direction);
+    let density = (receiver.pdf)(direction);
     let turn = Some(Turn { place: receiver.place, density, collision: None });
     let opaque = snapshot.tree.nearest_hit(&ray, f64::INFINITY, receiver.leaving);
     let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
@@ -79,12 +79,11 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
     let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
-    let (primitive, position) = glow.pick(snapshot, receiver.place, path.sampler.next_3d());
-    let target =
-        Target { primitive, position, per_m2: glow.picked_per_m2(snapshot, receiver.place, primitive) };
+    let (primitive, position) = glow.sample(snapshot, receiver.place, path.sampler.next_3d());
+    let target = Target { primitive, position, per_m2: glow.pdf_per_m2(snapshot, receiver.place, primitive) };
     receiver.lit_by(snapshot, &target, |point| {
         let by_phase =
-            |collision: &Collision| collision.share(point, (receiver.picked)(-point.to_eye), target.per_m2);
+            |collision: &Collision| collision.share(point, (receiver.pdf)(-point.to_eye), target.per_m2);
         collision.map_or(1.0, by_phase) * light.emitted(point)
     })
 }
@@ -94,7 +93,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);
     let (Some(turn), Some(glow)) = (turn, path.snapshot.glow()) else { return emitted };
-    let per_m2 = glow.picked_per_m2(path.snapshot, turn.place, point.primitive);
+    let per_m2 = glow.pdf_per_m2(path.snapshot, turn.place, point.primitive);
     let share = turn.collision.map_or(1.0, |collision| collision.share(point, turn.density, per_m2));
     share * emitted * turn.share_of_met(point, per_m2)
 }

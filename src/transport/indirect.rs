@@ -3,7 +3,7 @@
 
 use super::path::{Path, Start};
 use super::visibility::Way;
-use super::{glow, paths, shine, sky_light};
+use super::{glow, paths, sky_light, specular};
 use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Ray;
@@ -16,8 +16,8 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
         return of_sky + paths::scattered(path, bounces, point);
     }
     let Some(indirect) = path.transport.indirect else { return Rgb::ZERO };
-    let by_rays = if path.light.is_in_shine { 0.0 } else { Indirect::share_of_rays(point) };
-    let seen = if by_rays > 0.0 { by_rays * shine::seen(path, indirect, point) } else { Rgb::ZERO };
+    let by_rays = if path.light.is_in_specular { 0.0 } else { Indirect::share_of_rays(point) };
+    let seen = if by_rays > 0.0 { by_rays * specular::seen(path, indirect, point) } else { Rgb::ZERO };
     if !path.light.has_rest {
         return seen;
     }
@@ -38,8 +38,8 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -
             let through = path.through_fog((ray, from), distance);
             indirect.seen_in_fog(path.snapshot, ray, distance, through)
         }
-        Start::Surface(_) | Start::Shine(_) => {
-            indirect.in_scattered(path.snapshot, ray, distance, !path.light.is_in_shine)
+        Start::Surface(_) | Start::Specular(_) => {
+            indirect.in_scattered(path.snapshot, ray, distance, !path.light.is_in_specular)
         }
     };
     let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);

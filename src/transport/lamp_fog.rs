@@ -29,7 +29,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let [which, u, v] = path.sampler.next_3d();
     let Some(lamp) = lamps.clone().nth((which * count as f64) as usize) else { return Rgb::ZERO };
     let reach = Reach::of(&lamp, receiver.place);
-    let place = lamp.ray([u, v]).at(reach.pick(path.sampler.next_1d()));
+    let place = lamp.ray([u, v]).at(reach.sample(path.sampler.next_1d()));
     let way = place - receiver.place;
     let Some(direction) = way.try_normalize() else { return Rgb::ZERO };
     let scattered = (receiver.scattered)(direction);
@@ -50,7 +50,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
         return Rgb::ZERO;
     }
     let per_m = equiangular::per_m(path, (&ray, end), lamp.light, distance);
-    let by_leg = (receiver.picked)(direction) * per_m;
+    let by_leg = (receiver.pdf)(direction) * per_m;
     let by_lamp = reach.per_m3(&lamp, place) * distance * distance;
     let sum = scattered * radiance / (by_leg + by_lamp);
     // At the lamp itself the density is undefined.
@@ -65,7 +65,7 @@ pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f
     let turn = turn.filter(|turn| turn.place == ray.origin);
     let mut sum = Rgb::ZERO;
     for lamp in Lamp::among(path.light.lights) {
-        let Some((t, per_m)) = equiangular::pick(path, ray, distance, lamp.light) else { continue };
+        let Some((t, per_m)) = equiangular::sample(path, ray, distance, lamp.light) else { continue };
         let found = scattered_at(snapshot, ray, t, lamp.light, &[]) / per_m;
         if found == Rgb::ZERO {
             continue;
@@ -89,7 +89,7 @@ impl Reach {
     }
 
     /// Maps a uniform number to a distance from the lamp, metres.
-    fn pick(&self, u: f64) -> f64 {
+    fn sample(&self, u: f64) -> f64 {
         self.0 * u / (1.0 - u)
     }
 
@@ -98,6 +98,6 @@ impl Reach {
         let way = place - lamp.position;
         let (Some(direction), distance) = (way.try_normalize(), way.length()) else { return 0.0 };
         let per_m = self.0 / (self.0 + distance).powi(2);
-        lamp.chance * lamp.emission.picked(direction) * per_m / (distance * distance)
+        lamp.chance * lamp.emission.pdf(direction) * per_m / (distance * distance)
     }
 }

@@ -40,14 +40,14 @@ impl<'a> Lamp<'a> {
 
     /// The ray that two uniform numbers sample.
     pub(super) fn ray(&self, u: [f64; 2]) -> Ray {
-        Ray { origin: self.position, direction: self.emission.pick(u) }
+        Ray { origin: self.position, direction: self.emission.sample(u) }
     }
 
     /// Probability density with which its rays meet an unoccluded point, 1/m^2.
     fn per_m2(&self, point: DVec3, normal: DVec3) -> f64 {
         let way = point - self.position;
         let Some(direction) = way.try_normalize() else { return 0.0 };
-        let per_sr = self.chance * self.emission.picked(direction);
+        let per_sr = self.chance * self.emission.pdf(direction);
         per_sr * direction.dot(normal).abs() / way.length_squared()
     }
 }

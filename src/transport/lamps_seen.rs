@@ -3,7 +3,7 @@
 //! smooth surface reflects is found either here or by rays to the lamp (`direct.rs`), as
 //! `LampShape::shows_in` decides.
 
-use super::direct::{narrowest, scattered_per_radiance, shining};
+use super::direct::{narrowest, scattered_per_radiance, specular_part};
 use super::leg::Shown;
 use super::lobes::Lobes;
 use super::path::{Path, Start};
@@ -21,7 +21,7 @@ pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> 
         Start::Camera => (Watcher::Camera, snapshot.view.shown_along(ray)),
         Start::Surface(_) => (Watcher::Mirror, 0.0..f64::INFINITY),
         // Already found at the surface.
-        Start::Shine(_) => return Shown::default(),
+        Start::Specular(_) => return Shown::default(),
     };
     for (t, radiance) in snapshot.lamps_met(watcher, ray) {
         if t < way.distance && shown.contains(&t) {
@@ -38,11 +38,11 @@ pub(super) fn images(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let alpha = narrowest(point).filter(|&alpha| snapshot.shows_lamps(alpha, point.position));
     let (Some(alpha), true) = (alpha, path.light.has_rest) else { return Rgb::ZERO };
-    let shining = shining(point);
-    let Some(lobes) = Lobes::of(&shining) else { return Rgb::ZERO };
-    let direction = lobes.pick(&shining, DVec2::from(path.sampler.next_2d()));
-    let per_picked = scattered_per_radiance(&shining, direction) / lobes.picked(&shining, direction);
-    if per_picked == Rgb::ZERO || !per_picked.is_finite() {
+    let specular = specular_part(point);
+    let Some(lobes) = Lobes::of(&specular) else { return Rgb::ZERO };
+    let direction = lobes.sample(&specular, DVec2::from(path.sampler.next_2d()));
+    let per_pdf = scattered_per_radiance(&specular, direction) / lobes.pdf(&specular, direction);
+    if per_pdf == Rgb::ZERO || !per_pdf.is_finite() {
         return Rgb::ZERO;
     }
     let ray = Ray { origin: point.position, direction };
@@ -51,5 +51,5 @@ pub(super) fn images(path: &mut Path, point: &SurfacePoint) -> Rgb {
         let visible = snapshot.visibility(&ray, t, Some(point.primitive));
         radiance * visible * snapshot.medium.transmittance(ray.origin, direction, t)
     };
-    per_picked * shown.filter_map(|light| light.met_by(Watcher::Mirror, &ray)).map(seen).sum::<Rgb>()
+    per_pdf * shown.filter_map(|light| light.met_by(Watcher::Mirror, &ray)).map(seen).sum::<Rgb>()
 }

@@ -9,7 +9,7 @@ use super::connection::{Receiver, Target, per_sr};
 use super::equiangular::Angle;
 use super::path::Path;
 use crate::color::Rgb;
-use crate::fog::{FoggyRay, Losses, picked_henyey_greenstein};
+use crate::fog::{FoggyRay, Losses, henyey_greenstein_pdf};
 use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 
@@ -36,7 +36,7 @@ pub(super) struct Collision {
 
 impl Collisions<'_> {
     fn per_m(&self, t: f64) -> f64 {
-        self.chance * self.along.picked(self.weights, &self.losses, t)
+        self.chance * self.along.pdf(self.weights, &self.losses, t)
     }
 
     /// Collision at a distance along the ray.
@@ -56,20 +56,20 @@ impl Collisions<'_> {
         let (snapshot, light) = (path.snapshot, path.light);
         let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return (0.0, Rgb::ZERO) };
         let range = self.losses.range();
-        let (primitive, position, per_m2) = glow.pick_along(snapshot, (ray, range), path.sampler.next_3d());
+        let (primitive, position, per_m2) = glow.sample_along(snapshot, (ray, range), path.sampler.next_3d());
         let angle = Angle::of(ray, position);
-        let t = angle.pick(range, path.sampler.next_1d());
+        let t = angle.sample(range, path.sampler.next_1d());
         let (medium, place) = (&snapshot.medium, ray.at(t));
         let (g, collision) = (medium.anisotropy_at(place), self.at(ray, t));
         let receiver = Receiver {
             place,
             leaving: None,
             scattered: &|to| medium.scattering_at(place, ray.direction.dot(to)),
-            picked: &|_| 0.0,
+            pdf: &|_| 0.0,
         };
-        let by_point = glow.picked_per_m2(snapshot, place, primitive);
+        let by_point = glow.pdf_per_m2(snapshot, place, primitive);
         let scattered = receiver.lit_by(snapshot, &Target { primitive, position, per_m2 }, |point| {
-            let by_phase = picked_henyey_greenstein(g, -ray.direction.dot(point.to_eye));
+            let by_phase = henyey_greenstein_pdf(g, -ray.direction.dot(point.to_eye));
             light.emitted(point) * (1.0 - collision.share(point, by_phase, by_point))
         });
         let through = medium.transmittance(ray.origin, ray.direction, t);

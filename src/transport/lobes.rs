@@ -32,7 +32,7 @@ pub(super) struct Lobes {
 impl Lobes {
     /// `None` if it scatters nothing.
     pub(super) fn of(point: &SurfacePoint) -> Option<Self> {
-        let cos_eye = point.shine_normal.dot(point.to_eye);
+        let cos_eye = point.specular_normal.dot(point.to_eye);
         let gloss = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
         let beneath = gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(cos_eye));
         // Cloth is sampled as if it were diffuse.
@@ -60,11 +60,11 @@ impl Lobes {
 
     /// Direction towards the light that two uniform numbers sample, with a density close to that of the BSDF
     /// times the cosine.
-    pub(super) fn pick(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
-        let (normal, shine_normal, to_eye) = (point.shading_normal, point.shine_normal, point.to_eye);
-        let mut picked = Way::Reflected;
+    pub(super) fn sample(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
+        let (normal, specular_normal, to_eye) = (point.shading_normal, point.specular_normal, point.to_eye);
+        let mut sampled = Way::Reflected;
         for (way, share) in self.shares.into_iter().filter(|(_, share)| *share > 0.0) {
-            picked = way;
+            sampled = way;
             if u.x < share {
                 u.x /= share;
                 break;
@@ -76,19 +76,19 @@ impl Lobes {
             let disc = disc_from_square(u);
             about(normal, disc, (1.0 - disc.length_squared()).max(0.0).sqrt())
         };
-        match (picked, coat(point), &point.gloss, &point.dielectric) {
+        match (sampled, coat(point), &point.gloss, &point.dielectric) {
             (Way::Transmitted, ..) => lambert(-normal),
-            (Way::Coated, Some(coat), ..) => coat.gloss.pick(coat.normal, to_eye, u),
-            (Way::Shone, _, Some(gloss), _) => gloss.pick(shine_normal, to_eye, u),
-            (Way::Mirrored, .., Some(dielectric)) => dielectric.pick(shine_normal, to_eye, false, u),
-            (Way::Refracted, .., Some(dielectric)) => dielectric.pick(shine_normal, to_eye, true, u),
+            (Way::Coated, Some(coat), ..) => coat.gloss.sample(coat.normal, to_eye, u),
+            (Way::Shone, _, Some(gloss), _) => gloss.sample(specular_normal, to_eye, u),
+            (Way::Mirrored, .., Some(dielectric)) => dielectric.sample(specular_normal, to_eye, false, u),
+            (Way::Refracted, .., Some(dielectric)) => dielectric.sample(specular_normal, to_eye, true, u),
             _ => lambert(normal),
         }
     }
 
-    /// Probability density of [`Lobes::pick`] for a direction, 1/sr.
-    pub(super) fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
-        let (normal, shine_normal, to_eye) = (point.shading_normal, point.shine_normal, point.to_eye);
+    /// Probability density of [`Lobes::sample`] for a direction, 1/sr.
+    pub(super) fn pdf(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
+        let (normal, specular_normal, to_eye) = (point.shading_normal, point.specular_normal, point.to_eye);
         let cos = normal.dot(direction);
         let share = |way: Way| self.shares[way as usize].1;
         let matte = share(if cos > 0.0 { Way::Reflected } else { Way::Transmitted });
@@ -96,12 +96,12 @@ impl Lobes {
         // Some samples of gloss and coat lie behind the surface, where light may be transmitted.
         let gloss = point.gloss.as_ref().filter(|_| share(Way::Shone) > 0.0);
         density +=
-            share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.picked(shine_normal, to_eye, direction));
+            share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.pdf(specular_normal, to_eye, direction));
         let coat = coat(point).filter(|_| share(Way::Coated) > 0.0);
         density +=
-            share(Way::Coated) * coat.map_or(0.0, |coat| coat.gloss.picked(coat.normal, to_eye, direction));
+            share(Way::Coated) * coat.map_or(0.0, |coat| coat.gloss.pdf(coat.normal, to_eye, direction));
         if let Some(dielectric) = point.dielectric.as_ref().filter(|_| share(Way::Refracted) > 0.0) {
-            let [reflected, through] = dielectric.picked(shine_normal, to_eye, direction);
+            let [reflected, through] = dielectric.pdf(specular_normal, to_eye, direction);
             density += share(Way::Mirrored) * reflected + share(Way::Refracted) * through;
         }
         density

@@ -74,7 +74,7 @@ pub(super) struct Illumination<'a> {
     /// Whether it includes light of the sky.
     pub(super) sky: bool,
     /// Whether it is seen in a specular reflection. A second such reflection has the blur of the grid.
-    pub(super) is_in_shine: bool,
+    pub(super) is_in_specular: bool,
     /// Whether light that reaches the eye after one scattering is left out.
     pub(super) indirect_alone: bool,
     /// Walks that branch off the camera ray.
@@ -92,7 +92,7 @@ impl Illumination<'_> {
         match from {
             _ if !self.has_rest => Rgb::ZERO,
             Start::Camera => snapshot.seen_beyond(direction),
-            Start::Surface(_) | Start::Shine(_) => snapshot.radiance_beyond(direction),
+            Start::Surface(_) | Start::Specular(_) => snapshot.radiance_beyond(direction),
         }
     }
 }
@@ -105,7 +105,7 @@ pub(super) enum Start {
     /// A mirror.
     Surface(PrimitiveId),
     /// A surface with a specular reflection, which samples the background by a ray of its own.
-    Shine(PrimitiveId),
+    Specular(PrimitiveId),
 }
 
 impl Start {
@@ -113,7 +113,7 @@ impl Start {
     pub(super) fn leaving(self) -> Option<PrimitiveId> {
         match self {
             Self::Camera => None,
-            Self::Surface(primitive) | Self::Shine(primitive) => Some(primitive),
+            Self::Surface(primitive) | Self::Specular(primitive) => Some(primitive),
         }
     }
 

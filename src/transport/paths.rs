@@ -24,7 +24,7 @@ use super::turn::Turn;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
-use crate::fog::picked_henyey_greenstein;
+use crate::fog::henyey_greenstein_pdf;
 use crate::math::Ray;
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SurfacePoint};
@@ -77,7 +77,7 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
         let (t, by_glow) = collisions.lit(path, ray);
         let lit = seen_through(t) * by_glow;
         let u = path.sampler.next_2d();
-        let Some(loss) = collisions.along.pick_loss(Rgb::ONE, &losses, u.into()) else { return lit };
+        let Some(loss) = collisions.along.sample_loss(Rgb::ONE, &losses, u.into()) else { return lit };
         let throughput = loss.through_per_density * seen_through(loss.t);
         let collision = path.snapshot.glow().map(|_| collisions.at(ray, loss.t));
         let vertex = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }, collision);
@@ -111,7 +111,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let at_first = leg.throughput.max_element();
     let (mut sum, light) = (Rgb::ZERO, path.light);
     // A last leg that collects emission alone, so that emission is scattered as often as light of lamps.
-    let glows = path.snapshot.glow().is_some() || path.snapshot.medium.shines();
+    let glows = path.snapshot.glow().is_some() || path.snapshot.medium.emits();
     let legs = most + u32::from(glows);
     for number in 1..=legs {
         let Some(vertex) = leg.next_vertex(path, &mut sum, number <= most) else { break };
@@ -122,7 +122,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
         if number == most {
             path.light = Illumination { lights: &[], sky: false, ..light };
         }
-        sum += leg.throughput * vertex.lit_by_picked(path);
+        sum += leg.throughput * vertex.lit_by_sampled(path);
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
         leg = next;
         // Russian roulette by the throughput, as a fraction of the walk's first.
@@ -184,7 +184,7 @@ impl Leg {
             self.throughput *= through / (1.0 - losses.chance);
             return None;
         }
-        let loss = collisions.along.pick_loss(weights, &losses, [u / losses.chance, v])?;
+        let loss = collisions.along.sample_loss(weights, &losses, [u / losses.chance, v])?;
         self.throughput *= loss.through_per_density / losses.chance;
         let collision = glow.map(|_| collisions.at(&ray, loss.t));
         Some(Vertex::Fog(Ray { origin: ray.at(loss.t), ..ray }, collision))
@@ -215,8 +215,8 @@ impl Leg {
 impl Vertex {
     /// Radiance towards the eye of emission and of indirect light, times a throughput.
     fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
-        let picked = throughput * self.lit_by_picked(path);
-        picked + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+        let sampled = throughput * self.lit_by_sampled(path);
+        sampled + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
     }
 
     /// Radiance that a walk meets after its turn, in fog per metre: emission, and light that was not
@@ -239,7 +239,7 @@ impl Vertex {
     }
 
     /// Radiance towards the eye, in fog per metre, from points sampled by brightness.
-    fn lit_by_picked(&self, path: &mut Path) -> Rgb {
+    fn lit_by_sampled(&self, path: &mut Path) -> Rgb {
         match self {
             Self::Surface(point) => {
                 let Some((lobes, share)) = matte_share(point) else { return Rgb::ZERO };
@@ -247,7 +247,7 @@ impl Vertex {
                     place: point.position,
                     leaving: Some(point.primitive),
                     scattered: &|direction| direct::scattered_per_radiance(point, direction),
-                    picked: &|direction| share * lobes.picked(point, direction),
+                    pdf: &|direction| share * lobes.pdf(point, direction),
                 };
                 beside_the_walk(path, &receiver, None)
             }
@@ -258,7 +258,7 @@ impl Vertex {
                     place: *origin,
                     leaving: None,
                     scattered: &|to| medium.scattering_at(*origin, direction.dot(to)),
-                    picked: &|to| picked_henyey_greenstein(g, direction.dot(to)),
+                    pdf: &|to| henyey_greenstein_pdf(g, direction.dot(to)),
                 };
                 beside_the_walk(path, &receiver, collision.as_ref())
             }
@@ -269,7 +269,7 @@ impl Vertex {
     fn go_on(&self, path: &mut Path, throughput: Rgb) -> Option<Leg> {
         let leg = match self {
             Self::Surface(point) => {
-                let (direction, weight, density) = picked(path, point)?;
+                let (direction, weight, density) = sample_bsdf(path, point)?;
                 let ray = Ray { origin: point.position, direction };
                 let turn = density.map(|density| Turn { place: point.position, density, collision: None });
                 Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), turn }
@@ -277,11 +277,11 @@ impl Vertex {
             Self::Fog(Ray { origin, direction }, collision) => {
                 let medium = &path.snapshot.medium;
                 let (towards, weight) =
-                    medium.pick_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
+                    medium.sample_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
                 let ray = Ray { origin: *origin, direction: towards };
                 // In overlapping fogs the mean anisotropy: both techniques for emissive surfaces use it in
                 // their weights.
-                let density = picked_henyey_greenstein(medium.anisotropy_at(*origin), direction.dot(towards));
+                let density = henyey_greenstein_pdf(medium.anisotropy_at(*origin), direction.dot(towards));
                 let turn = Some(Turn { place: *origin, density, collision: *collision });
                 Leg { ray, throughput: throughput * weight, leaving: None, turn }
             }
@@ -300,7 +300,7 @@ fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Coll
 /// Samples a direction from which a surface scatters light towards the eye, by one of its lobes or its
 /// mirror. Returns it with the BSDF times cosine over its density, and the density, 1/sr; `None` for the
 /// mirror.
-fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f64>)> {
+fn sample_bsdf(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f64>)> {
     let matte = matte_share(point);
     let share = 1.0 - matte.as_ref().map_or(0.0, |(_, share)| *share);
     let (mut u, v) = path.sampler.next_2d();
@@ -312,8 +312,8 @@ fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f
     }
     let (lobes, matte_share) = matte?;
     u = (u - share) / matte_share;
-    let direction = lobes.pick(point, [u, v].into());
-    let density = matte_share * lobes.picked(point, direction);
+    let direction = lobes.sample(point, [u, v].into());
+    let density = matte_share * lobes.pdf(point, direction);
     let weight = direct::scattered_per_radiance(point, direction) / density;
     (density > 0.0).then_some((direction, weight, Some(density)))
 }

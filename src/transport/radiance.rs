@@ -87,7 +87,7 @@ impl Transport<'_> {
             });
         }
         let light =
-            Illumination { lights: &lights, has_rest, sky, is_in_shine: false, indirect_alone, branches };
+            Illumination { lights: &lights, has_rest, sky, is_in_specular: false, indirect_alone, branches };
         let mut path = Path { snapshot, transport: self, light, sampler, scratch };
         let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
         let sample = path.sample(&leg, surface.as_ref(), ray, hue);
@@ -164,7 +164,7 @@ impl Path<'_> {
         let (snapshot, light) = (self.snapshot, self.light);
         let shown = match from {
             Start::Camera => snapshot.view.shown_along(ray),
-            Start::Surface(_) | Start::Shine(_) => 0.0..f64::INFINITY,
+            Start::Surface(_) | Start::Specular(_) => 0.0..f64::INFINITY,
         };
         let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, from);
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
@@ -188,7 +188,7 @@ impl Path<'_> {
         in_front += lamps_seen::on_the_way(self, (ray, from), &way);
         let transmittance = fog * seen_through;
         let behind = match &surface {
-            None if is_hole || matches!(from, Start::Shine(_)) => Shown::default(),
+            None if is_hole || matches!(from, Start::Specular(_)) => Shown::default(),
             None => Shown::emitted(light.background(snapshot, ray.direction, from)),
             Some(point) => self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
         };

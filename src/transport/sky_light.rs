@@ -10,7 +10,7 @@ use super::lobes::{Lobes, about};
 use super::path::{Path, Start};
 use super::visibility::Way;
 use crate::color::Rgb;
-use crate::fog::{FoggyRay, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
+use crate::fog::{FoggyRay, exp_minus, henyey_greenstein_pdf, sample_henyey_greenstein};
 use crate::math::Ray;
 use crate::snapshot::{FrozenSky, SurfacePoint};
 use glam::{DVec2, DVec3};
@@ -39,7 +39,7 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
     let (to_sky, density) =
-        picked(sky, u, |u| lobes.pick(point, u), |direction| lobes.picked(point, direction));
+        sample_sky_or_matter(sky, u, |u| lobes.sample(point, u), |direction| lobes.pdf(point, direction));
     let scattered = scattered_per_radiance(point, to_sky) * sky.along_beside_suns(to_sky);
     if scattered == Rgb::ZERO || density <= 0.0 {
         return Rgb::ZERO;
@@ -66,16 +66,18 @@ pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way)
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
     let [along, u, v] = path.sampler.next_3d();
-    let picked = match path.seen_fog(ray, from) {
-        Some(seen) => seen.place_by_depth(range, along).map(|picked| (picked, seen.optical_depth(picked.0))),
+    let sampled = match path.seen_fog(ray, from) {
+        Some(seen) => {
+            seen.place_by_depth(range, along).map(|sampled| (sampled, seen.optical_depth(sampled.0)))
+        }
         None => {
             let fog = medium.along(ray, range.1);
-            place_by_depth(&fog, range, along).map(|picked| (picked, fog.optical_depth(picked.0)))
+            place_by_depth(&fog, range, along).map(|sampled| (sampled, fog.optical_depth(sampled.0)))
         }
     };
-    let Some(((t, density_per_m), depth)) = picked else { return Rgb::ZERO };
+    let Some(((t, density_per_m), depth)) = sampled else { return Rgb::ZERO };
     let point = ray.at(t);
-    let Some(found) = FromSky::pick(path, sky, point, ray.direction, DVec2::new(u, v)) else {
+    let Some(found) = FromSky::sample(path, sky, point, ray.direction, DVec2::new(u, v)) else {
         return Rgb::ZERO;
     };
     let seen_through = way.blended.iter().filter(|hit| hit.t < t);
@@ -88,7 +90,7 @@ pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way)
 pub(super) fn by_fog(path: &mut Path, point: DVec3, from_eye: DVec3) -> Rgb {
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
-    let found = FromSky::pick(path, sky, point, from_eye, u);
+    let found = FromSky::sample(path, sky, point, from_eye, u);
     found.map_or(Rgb::ZERO, |found| found.scattered * exp_minus(found.depth) * found.visible / found.density)
 }
 
@@ -110,17 +112,17 @@ struct FromSky {
 
 impl FromSky {
     /// `None` if nothing arrives.
-    fn pick(path: &Path, sky: &FrozenSky, point: DVec3, from_eye: DVec3, u: DVec2) -> Option<Self> {
+    fn sample(path: &Path, sky: &FrozenSky, point: DVec3, from_eye: DVec3, u: DVec2) -> Option<Self> {
         let (snapshot, medium) = (path.snapshot, &path.snapshot.medium);
         let g = medium.anisotropy_at(point);
-        let (to_sky, density) = picked(
+        let (to_sky, density) = sample_sky_or_matter(
             sky,
             u,
             |u| {
-                let (cos, _) = pick_henyey_greenstein(g, u.x);
+                let (cos, _) = sample_henyey_greenstein(g, u.x);
                 about(from_eye, DVec2::from_angle(TAU * u.y) * (1.0 - cos * cos).max(0.0).sqrt(), cos)
             },
-            |direction| picked_henyey_greenstein(g, direction.dot(from_eye)),
+            |direction| henyey_greenstein_pdf(g, direction.dot(from_eye)),
         );
         let scattered = medium.scattering_at(point, to_sky.dot(from_eye)) * sky.along_beside_suns(to_sky);
         if scattered == Rgb::ZERO {
@@ -134,22 +136,22 @@ impl FromSky {
 }
 
 /// Samples a direction by the sky's radiance or by the matter's scattering. Returns its density, too, 1/sr.
-fn picked(
+fn sample_sky_or_matter(
     sky: &FrozenSky,
     mut u: DVec2,
-    pick: impl Fn(DVec2) -> DVec3,
-    density: impl Fn(DVec3) -> f64,
+    sample: impl Fn(DVec2) -> DVec3,
+    pdf: impl Fn(DVec3) -> f64,
 ) -> (DVec3, f64) {
     if !sky.is_uneven() {
-        let direction = pick(u);
-        return (direction, density(direction));
+        let direction = sample(u);
+        return (direction, pdf(direction));
     }
     // The remainder of a number that decided is uniform again.
     let by_sky = u.x < SHARE_OF_SKY;
     u.x = if by_sky { u.x / SHARE_OF_SKY } else { (u.x - SHARE_OF_SKY) / (1.0 - SHARE_OF_SKY) };
-    let direction = if by_sky { sky.pick(u) } else { None }.unwrap_or_else(|| pick(u));
-    let of_sky = sky.picked(direction);
-    (direction, density(direction) + SHARE_OF_SKY * (of_sky - density(direction)))
+    let direction = if by_sky { sky.sample(u) } else { None }.unwrap_or_else(|| sample(u));
+    let of_sky = sky.pdf(direction);
+    (direction, pdf(direction) + SHARE_OF_SKY * (of_sky - pdf(direction)))
 }
 
 /// Distance within `range` at which a given share of its loss is reached, and the density there per metre:

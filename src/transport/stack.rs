@@ -193,12 +193,12 @@ fn shares(blended: &[BlendedHit], u: f64) -> Vec<f64> {
         .collect();
     let step = weights.iter().sum::<f64>() / CHOSEN as f64;
     let mut passed = 0.0;
-    let picks_before = |passed: f64| (passed / step + u).floor();
+    let samples_before = |passed: f64| (passed / step + u).floor();
     let share = |weight: f64| {
-        let before = picks_before(passed);
+        let before = samples_before(passed);
         passed += weight;
-        let picks = picks_before(passed) - before;
-        if picks > 0.0 { picks * step / weight } else { 0.0 }
+        let samples = samples_before(passed) - before;
+        if samples > 0.0 { samples * step / weight } else { 0.0 }
     };
     weights.into_iter().map(share).collect()
 }
@@ -362,7 +362,7 @@ mod tests {
             for light in lights {
                 let illumination = Illumination {
                     lights: std::slice::from_ref(&light), has_rest: true,
-                    sky: false, is_in_shine: false, indirect_alone: false, branches: Branches::ONE,
+                    sky: false, is_in_specular: false, indirect_alone: false, branches: Branches::ONE,
                 };
                 let mut sampler = Sampler::new(0, 0, 0, 0);
                 let stack = Stack::of(&snapshot, &illumination, &ray, &blended, &mut sampler);

@@ -19,8 +19,8 @@ pub(super) struct Turn {
 impl Turn {
     /// Weight of a point that a walk meets, where `per_m2` is the density with which it is sampled otherwise.
     pub(super) fn share_of_met(&self, point: &SurfacePoint, per_m2: f64) -> f64 {
-        let picked = per_sr(per_m2, point, self.place.distance(point.position));
+        let pdf = per_sr(per_m2, point, self.place.distance(point.position));
         // Seen edge-on, the point has an infinite density by sampling.
-        if picked.is_finite() { self.density / (self.density + picked) } else { 0.0 }
+        if pdf.is_finite() { self.density / (self.density + pdf) } else { 0.0 }
     }
 }

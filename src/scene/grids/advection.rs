@@ -49,16 +49,16 @@ pub(super) fn between(
         let Some(voxels) = mixed(voxels, &of_parts, space)? else { continue };
         fog.parts.push(FogPart { extinction, albedo, voxels: Arc::new(voxels.into()) });
     }
-    fog.shape_from_shining = files[0].shape_from_shining;
-    let of_shining = carries(files.map(|file| file.shape_from_shining))?;
-    let mut colors: Vec<_> = files.iter().flat_map(|file| &file.shining).map(|(color, _)| *color).collect();
+    fog.shape_from_emission = files[0].shape_from_emission;
+    let of_shining = carries(files.map(|file| file.shape_from_emission))?;
+    let mut colors: Vec<_> = files.iter().flat_map(|file| &file.emission).map(|(color, _)| *color).collect();
     colors.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap_or(std::cmp::Ordering::Equal));
     colors.dedup();
     for color in colors {
         let alike = |(of, _): &&(_, _)| *of == color;
-        let voxels = files.map(|file| file.shining.iter().find(alike).map(|(_, voxels)| &**voxels));
-        let Some(voxels) = mixed(voxels, &of_shining, fog.shape_from_shining)? else { continue };
-        fog.shining.push((color, Arc::new(voxels)));
+        let voxels = files.map(|file| file.emission.iter().find(alike).map(|(_, voxels)| &**voxels));
+        let Some(voxels) = mixed(voxels, &of_shining, fog.shape_from_emission)? else { continue };
+        fog.emission.push((color, Arc::new(voxels)));
     }
     Some(fog)
 }

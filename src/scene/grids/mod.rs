@@ -89,9 +89,9 @@ pub struct FogVoxels {
     /// Overlapping volumes, whose sum is the fog; one, unless albedo varies by voxel.
     pub parts: Vec<FogPart>,
     /// Transform from the emission grid's own coordinates.
-    pub shape_from_shining: DAffine3,
+    pub shape_from_emission: DAffine3,
     /// Emission: voxels with their factors.
-    pub shining: Vec<(Rgb, Arc<Voxels>)>,
+    pub emission: Vec<(Rgb, Arc<Voxels>)>,
     /// Velocities in the shape's space.
     velocities: Option<Arc<Velocities>>,
 }

@@ -34,10 +34,10 @@ pub(super) fn fog_voxels(grids: &[Grid], names: &GridNames) -> Result<FogVoxels,
         }
     };
     if let Some(name) = &names.emission {
-        let shining = floats(grids, name)?;
-        fog.shape_from_shining = shining.transform;
+        let emission = floats(grids, name)?;
+        fog.shape_from_emission = emission.transform;
         let blackbody = names.kelvin.map(|kelvin| (kelvin, blackbody(names, kelvin)));
-        fog.shining = shining_parts(name, shining, blackbody)?;
+        fog.emission = emission_parts(name, emission, blackbody)?;
     }
     fog.velocities = Velocities::of(grids).map(Arc::new);
     Ok(fog)
@@ -188,7 +188,7 @@ fn blackbody(names: &GridNames, kelvin: f64) -> Blackbody {
 }
 
 /// Emission: as the grid has it, or of black bodies with this temperature where it is 1.
-fn shining_parts(
+fn emission_parts(
     name: &str,
     grid: &Floats,
     blackbody: Option<(f64, Blackbody)>,

@@ -149,7 +149,7 @@ impl Sky {
         self.strength.is_constant() && self.rotation.is_constant()
     }
 
-    /// Whether its radiance varies, so that [`Sky::pick`] picks directions.
+    /// Whether its radiance varies, so that [`Sky::sample`] samples directions.
     pub fn is_uneven(&self) -> bool {
         self.table.is_some()
     }
@@ -178,13 +178,13 @@ impl Sky {
 
     /// Direction sampled by two uniform numbers, with a density about proportional to radiance; `None` for a
     /// uniform picture. Directions are those of the unrotated picture.
-    pub fn pick(&self, u: DVec2) -> Option<DVec3> {
-        let (_, place) = self.table.as_ref()?.pick(u);
+    pub fn sample(&self, u: DVec2) -> Option<DVec3> {
+        let (_, place) = self.table.as_ref()?.sample(u);
         Some(sphere_from_square(place))
     }
 
-    /// Probability density of [`Sky::pick`] in a direction, 1/sr; 0 if it picks none.
-    pub fn picked(&self, direction: DVec3) -> f64 {
+    /// Probability density of [`Sky::sample`] in a direction, 1/sr; 0 if it samples none.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
         self.table
             .as_ref()
             .map_or(0.0, |table| 0.25 * FRAC_1_PI * table.density(table.cell(square_from_sphere(direction))))
@@ -287,12 +287,12 @@ mod tests {
         }
     }
 
-    /// Irradiance of a plane that faces up, by directions that are picked.
+    /// Irradiance of a plane that faces up, by sampled directions.
     fn irradiance(sky: &Sky, count: u32) -> f64 {
         let sample = |sample| {
             let u = DVec2::from(Sampler::new(1, 0, 0, sample).next_2d());
-            let direction = sky.pick(u).unwrap_or_else(|| sphere_from_square(u));
-            let density = if sky.is_uneven() { sky.picked(direction) } else { 0.25 * FRAC_1_PI };
+            let direction = sky.sample(u).unwrap_or_else(|| sphere_from_square(u));
+            let density = if sky.is_uneven() { sky.pdf(direction) } else { 0.25 * FRAC_1_PI };
             sky.picture.along(direction).x * direction.y.max(0.0) / density
         };
         (0..count).map(sample).sum::<f64>() / f64::from(count)
@@ -344,7 +344,7 @@ mod tests {
         }
     }
 
-    /// A sun of one texel, ten thousand times as bright as the sky around: picking finds it.
+    /// A sun of one texel, ten thousand times as bright as the sky around: sampling finds it.
     #[test]
     fn small_suns_are_found() {
         for (width, height) in [(32, 16), (512, 256)] {

@@ -1,5 +1,5 @@
 //! Importance sampling of a sky's image. In goes the image's radiance, out comes a table of densities.
-//! Invariant: every direction with light in bilinear interpolation can be picked.
+//! Invariant: every direction with light in bilinear interpolation can be sampled.
 
 use crate::math::{SquareDistribution, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
@@ -115,7 +115,7 @@ mod tests {
     use crate::math::Sampler;
     use crate::scene::{Sky, SkyPicture, Texture, Wrap};
 
-    /// `integral L^2 / p / (integral L)^2` of suns of one texel: 1 if picks are as dense as it is bright.
+    /// `integral L^2 / p / (integral L)^2` of suns of one texel: 1 if samples are as dense as it is bright.
     /// They are as dense all over a cell, so that it is at most cells over texel for each cell that the
     /// texel reaches into, four or fewer. Where its rim is missed it is thousands of times as much.
     #[test]
@@ -138,7 +138,7 @@ mod tests {
                 let direction = direction_of(place);
                 let (bright, weight): (Rgb, f64) = (sky.along(direction), (PI * place.y).sin());
                 light += weight * bright.x;
-                squares += weight * bright.x * bright.x / sky.picked(direction);
+                squares += weight * bright.x * bright.x / sky.pdf(direction);
             }
             let solid_angle = 4.0 * 2.0 * PI * PI / (width * height * STEPS * STEPS) as f64;
             let ratio = squares / (light * light * solid_angle);
@@ -158,6 +158,6 @@ mod tests {
         let wrap = [Wrap::Repeat, Wrap::Clamp];
         let sky =
             Sky::new(SkyPicture::Image(Texture { name: String::new(), width: 64, height: 32, texels, wrap }));
-        assert!(sky.unwrap().picked(DVec3::NEG_Y) > 0.0);
+        assert!(sky.unwrap().pdf(DVec3::NEG_Y) > 0.0);
     }
 }

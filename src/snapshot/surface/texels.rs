@@ -17,7 +17,7 @@ pub(super) struct FacetTexels<'a> {
 }
 
 /// Specular part of a surface.
-pub(super) struct Shine {
+pub(super) struct Specular {
     pub(super) gloss: Option<Gloss>,
     pub(super) dielectric: Option<Dielectric>,
     /// Share of the diffuse part.
@@ -57,9 +57,9 @@ impl<'a> FacetTexels<'a> {
 
     /// Specular part of a surface with a colour for metal and dielectric; `is_within` if the eye sees its
     /// back.
-    pub(super) fn shine(&self, color: Rgb, is_within: bool) -> Shine {
+    pub(super) fn specular(&self, color: Rgb, is_within: bool) -> Specular {
         let Some(coat) = self.facet.material.coat else {
-            return Shine { gloss: None, dielectric: None, matte: 1.0 };
+            return Specular { gloss: None, dielectric: None, matte: 1.0 };
         };
         let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
@@ -70,7 +70,7 @@ impl<'a> FacetTexels<'a> {
         let grazing = if self.facet.material.has_even_metal { color } else { Rgb::ONE };
         let matte = 1.0 - metallic;
         let Some(own) = self.facet.material.dielectric else {
-            return Shine {
+            return Specular {
                 gloss: Some(gloss.with_metal(metallic, color, grazing)),
                 dielectric: None,
                 matte,
@@ -86,7 +86,7 @@ impl<'a> FacetTexels<'a> {
         } else {
             Dielectric::Thin(ThinDielectric::new(share, color, own.ior, roughness))
         };
-        Shine { gloss, dielectric: Some(dielectric), matte: matte - share }
+        Specular { gloss, dielectric: Some(dielectric), matte: matte - share }
     }
 
     /// Coverage of the surface, and its transmittance for light from behind.

@@ -46,7 +46,7 @@ impl SliceRay<'_> {
             lights,
             has_rest,
             sky: false,
-            is_in_shine: false,
+            is_in_specular: false,
             indirect_alone: false,
             branches: Branches::ONE,
         };

@@ -11,7 +11,7 @@ const LEAST_OF_EYE: f64 = 0.9;
 /// Normal between the bent one and that of the surface, bent as far as its mirror direction stays above the
 /// surface (Cycles 5.0, `ensure_valid_specular_reflection`). All are unit vectors; the surface's faces the
 /// eye.
-pub fn shine_normal(surface: DVec3, to_eye: DVec3, bent: DVec3) -> DVec3 {
+pub fn specular_normal(surface: DVec3, to_eye: DVec3, bent: DVec3) -> DVec3 {
     let mirrored = 2.0 * bent.dot(to_eye) * bent - to_eye;
     let up = to_eye.dot(surface);
     let least = (LEAST_OF_EYE * up).min(LEAST);
@@ -42,7 +42,7 @@ mod tests {
         for eye in [-1.5, -0.9, 0.0, 0.4, 1.2] {
             for bend in [-2.0, -1.2, -0.3, 0.0, 0.2, 1.0, 1.9] {
                 let (to_eye, bent) = (at(eye), at(bend));
-                let normal = shine_normal(DVec3::Z, to_eye, bent);
+                let normal = specular_normal(DVec3::Z, to_eye, bent);
                 let up = (2.0 * normal.dot(to_eye) * normal - to_eye).z;
                 let least = LEAST.min(LEAST_OF_EYE * to_eye.z);
                 assert!(up > least - 1e-9 && (normal.length() - 1.0).abs() < 1e-9, "{eye} {bend}: {normal}");
