@@ -15,13 +15,17 @@ use rayon::prelude::*;
 /// Wanted root mean square error of a ray between those of the lattice: of transmittance, and of sunlight
 /// relative to its own root mean square.
 const WANTED: f64 = 0.005;
-/// Number of values of a first lattice, 2 MB, whose error tells how many the second needs.
+/// Number of values of a first lattice, 2 MB, whose error tells how many a finer one needs.
 const FIRST_NUMBERS: f64 = (1 << 20) as f64;
 /// Minimum distance of its rays, pixels.
 const FIRST_SPACING_PX: f64 = 1.5;
-/// Margin of the second one's number, as errors of edges fall more slowly.
+/// Minimum distance of any rays: where even these err by more, single rays are about as fast.
+const SPACING_PX: f64 = 1.0;
+/// Margin of the number of values, as errors of edges fall more slowly.
 const MARGIN: f64 = 1.5;
-/// Maximum number of values, 32 MB, and maximum error where these would be too few.
+/// Minimum growth of the number of values that counts as finer.
+const FINER: f64 = 1.2;
+/// Maximum number of values, 32 MB, and maximum error where these are too few.
 const MOST_NUMBERS: f64 = (1 << 24) as f64;
 const TOLERANCE: f64 = 0.02;
 /// Number of parts of a ray's whole: two bytes a value, as in `math::VoxelDepths`.
@@ -38,8 +42,8 @@ pub struct SeenFog {
     g: f64,
     /// Number of channels that differ: 1 or 3.
     channels: usize,
-    /// Values by ray, then step, then quantity, then channel, in parts of the value behind all fog. Quantities
-    /// are optical depth, and for each sun the scattered light without the phase function.
+    /// Values by ray, then step, then quantity, then channel, in parts of the value behind all fog.
+    /// Quantities are optical depth, and for each sun the scattered light without the phase function.
     parts: Vec<u16>,
     /// What a part stands for, by ray, then quantity, then channel.
     of_part: Vec<f32>,
@@ -69,15 +73,21 @@ impl SeenFog {
             let lattice = FogLattice::of(snapshot, size, (of_step, most, closest_px))?;
             Some(Self::on(lattice, snapshot, (&suns, g, channels)))
         };
-        let first = on(FIRST_NUMBERS, FIRST_SPACING_PX)?;
-        let error = first.error();
-        if error <= WANTED {
-            return Some(first);
+        let mut fog = on(FIRST_NUMBERS, FIRST_SPACING_PX)?;
+        let mut error = fog.error();
+        while error > WANTED {
+            let numbers = fog.parts.len() as f64;
+            drop(fog);
+            // Between rays the error goes as their distance squared.
+            fog = on((MARGIN * error / WANTED * numbers).min(MOST_NUMBERS), SPACING_PX)?;
+            error = fog.error();
+            let is_finest = fog.parts.len() as f64 <= FINER * numbers;
+            if is_finest {
+                let is_large = fog.parts.len() as f64 > 0.5 * MOST_NUMBERS;
+                return (is_large && error <= TOLERANCE).then_some(fog);
+            }
         }
-        // Between rays the error goes as their distance squared.
-        let needed = MARGIN * error / WANTED * first.parts.len() as f64;
-        drop(first);
-        on(needed.min(MOST_NUMBERS), 0.0).filter(|fog| fog.error() <= TOLERANCE)
+        Some(fog)
     }
 
     /// Fog on a lattice, lit by suns.

@@ -195,8 +195,8 @@ fn walks_find_the_same_light() {
 }
 
 /// What is found once for all rays of a camera is what each of them finds, within the lattice's tolerance: of
-/// a small picture, of one whose rays would be too many, and of fog that ends where it is densest. In the
-/// smallest, single rays by edges err by more, and rays a pixel and a half apart would err by 2 % together.
+/// a small picture, of one whose rays would be too many, and of fog that ends where it is densest. Where that
+/// fog is thick and the picture smallest, no lattice is fine enough, and each ray goes alone.
 #[test]
 fn fog_that_the_camera_sees_is_that_of_its_rays() {
     let lit_block = |density_per_m: Rgb| {
@@ -210,18 +210,14 @@ fn fog_that_the_camera_sees_is_that_of_its_rays() {
     };
     let (soft, hard) = (lit_puff(), lit_block(Rgb::new(0.01, 0.012, 0.015)));
     let thick = lit_block(Rgb::splat(0.6));
-    for (scene, side, of_ray, of_all) in [
-        (&soft, 160, 0.02, 0.02),
-        (&soft, 1600, 0.02, 0.02),
-        (&hard, 640, 0.02, 0.02),
-        (&thick, 40, 0.2, 0.01),
-    ] {
+    for (scene, side) in [(&soft, 160), (&soft, 1600), (&hard, 640), (&thick, 40)] {
         let trees = MeshTrees::new(scene);
         let alone = Snapshot::new(scene, &trees, 0, 1.0, INSTANT);
         let exposure = Exposure::new(scene, &trees, 0, 1.0, INSTANT);
         exposure.see_fog(Size { width: side, height: side });
         let known = exposure.middle();
-        assert!(alone.seen_fog().is_none() && known.seen_fog().is_some());
+        assert!(alone.seen_fog().is_none());
+        assert_eq!(known.seen_fog().is_some(), side > 40);
         let (mut sum, mut all, mut difference, mut squares) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
         for number in 0..1500 {
             let [x, y] = Sampler::new(number, 0, 0, 0).next_2d().into();
@@ -231,7 +227,7 @@ fn fog_that_the_camera_sees_is_that_of_its_rays() {
                 radiance(snapshot, &EXACT, &ray, &mut sampler, &mut scratch)
             });
             let off = (found.transmittance - expected.transmittance).abs().max_element();
-            assert!(off < of_ray, "{side}, {x} {y}: {off}");
+            assert!(off < 0.02, "{side}, {x} {y}: {off}");
             let off = found.radiance - expected.radiance;
             (sum, all) = (sum + expected.radiance, all + expected.radiance * expected.radiance);
             (difference, squares) = (difference + off, squares + off * off);
@@ -240,7 +236,7 @@ fn fog_that_the_camera_sees_is_that_of_its_rays() {
         let error = (squares / all).map(f64::sqrt);
         println!("{side}: {difference} of {sum}, root mean square {error}");
         assert!((difference / sum).abs().max_element() < 2e-3, "{side}: {difference} {sum}");
-        assert!(error.max_element() < of_all, "{side}: {error}");
+        assert!(error.max_element() < 0.02, "{side}: {error}");
     }
 }
 
