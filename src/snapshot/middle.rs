@@ -1,6 +1,6 @@
-//! Places of moving surfaces in the middle of the shutter, for which light of higher orders is solved. In goes
-//! the snapshot of the middle, out come points of triangles. Invariant: a point stays on the side of its wall
-//! on which it is seen, however far the wall has moved.
+//! Places of moving surfaces in the middle of the shutter, for which light of higher orders is solved. In
+//! goes the snapshot of the middle, out come points of triangles. Invariant: a point stays on the side of its
+//! wall on which it is seen, however far the wall has moved.
 
 use super::bent_mesh::BentMesh;
 use super::still::Still;
