@@ -105,7 +105,7 @@ impl Interface {
         })
     }
 
-    /// Probability densities of [`Interface::sample`] for a direction, 1/sr: in reflection and in transmission.
+    /// Probability densities of [`Interface::sample`] for a direction, 1/sr: reflection and transmission.
     pub fn pdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         let cos_eye = normal.dot(to_eye);
         if cos_eye <= 0.0 {

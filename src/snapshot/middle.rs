@@ -32,8 +32,8 @@ impl Middle {
 }
 
 impl Snapshot<'_> {
-    /// Place in world space that a surface point has in the middle of the shutter; where it is now if it is not
-    /// there then.
+    /// Place in world space that a surface point has in the middle of the shutter; where it is now if it is
+    /// not there then.
     pub fn in_the_middle(&self, point: &SurfacePoint) -> DVec3 {
         let placed = &self.placed[point.primitive.instance as usize];
         let Some((world_from_mesh, bent)) = self.middle.places.get(&placed.instance()) else {

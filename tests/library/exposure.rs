@@ -154,8 +154,8 @@ fn leaves_that_fly_past_blur_as_well_as_by_rays() {
     assert!(slices < 1.5 * rays, "{slices:e} {rays:e}");
 }
 
-/// A white box in a furnace is not seen, also while it comes nearer: its light is of where it is in the middle,
-/// and half of the time its front is within the box of that moment.
+/// A white box in a furnace is not seen, also while it comes nearer: its light is of where it is in the
+/// middle, and half of the time its front is within the box of that moment.
 #[test]
 fn what_moves_is_lit_from_outside() {
     let mut scene = camera_at(DVec3::ZERO);
