@@ -227,7 +227,7 @@ def motion_blur(scene):
     return 3
 
 
-def fog_box(scene):
+def fog(scene):
     """A cube that is fog to Cycles by its material and to sunfleck by its setting."""
     bpy.ops.mesh.primitive_cube_add(location=(0.0, 0.5, 1.3))
     box = bpy.context.object
@@ -243,6 +243,10 @@ def fog_box(scene):
     box.data.materials.append(shade)
     own = box.sunfleck_settings
     own.is_fog, own.density, own.anisotropy = True, 0.15, 0.4
+
+
+def fog_box(scene):
+    fog(scene)
     scenes.sun(scene)
 
 
@@ -255,9 +259,9 @@ def leaves(name):
     return build
 
 
-def on_stage(build):
+def on_stage(build, size=SIZE):
     def built():
-        scene = stage()
+        scene = stage(size)
         frame = build(scene)
         return scene, frame if isinstance(frame, int) else 1
 

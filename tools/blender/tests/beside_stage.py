@@ -10,9 +10,9 @@ import stages
 SIZE = (96, 54)
 
 
-def stage():
+def stage(size=SIZE):
     """A floor, a wall that leans, and a card above the floor to throw a shadow; all matte."""
-    scene = scenes.empty(stages.FRAMES, SIZE)
+    scene = scenes.empty(stages.FRAMES, size)
     scenes.camera(scene)
     scenes.quad(scene, "floor", 8.0, scenes.material("floor", (0.6, 0.5, 0.4)))
     wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.3, 0.5, 0.7)), (0.0, 3.0, 1.0))

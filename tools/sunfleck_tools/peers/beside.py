@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy
 
-from . import cycles
+from .cycles import pixels_of, settings
 
 
 @dataclass
@@ -34,7 +34,7 @@ def exported(scene, wish: Wish, folder: Path):
     from sunfleck import export
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
-    cycles.settings(scene, wish.size, wish.bounces)
+    settings(scene, wish.size, wish.bounces)
     # The add-on's package of that name, not this one.
     findings = export.exported(scene, folder / "scene.glb").findings  # type: ignore[attr-defined]  # as above
     scene.frame_set(wish.frame)
@@ -55,7 +55,7 @@ def ours(scene, wish: Wish, folder: Path, volume: str = "auto"):
 
 def theirs(scene, wish: Wish, folder: Path):
     """Cycles' picture."""
-    cycles.settings(scene, wish.size, wish.bounces)
+    settings(scene, wish.size, wish.bounces)
     scene.cycles.samples, scene.render.filepath = wish.cycles_samples, str(folder / "cycles.exr")
     bpy.ops.render.render(write_still=True)
     return pixels_of(folder / "cycles.exr")
@@ -76,12 +76,3 @@ def side_by_side(pictures, white: float) -> bytes:
     from sunfleck.materials.images import png, srgb  # type: ignore[import-not-found]  # the add-on's
 
     return png(srgb(numpy.concatenate(pictures, axis=1)[::-1] / max(1e-9, white)), False)
-
-
-def pixels_of(path: Path):
-    """Colours, rows from the top."""
-    image = bpy.data.images.load(str(path), check_existing=False)
-    width, height = image.size
-    found = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
-    bpy.data.images.remove(image)
-    return found

@@ -78,15 +78,20 @@ def renders(made):
         started = time.process_time()
         write(made, samples, seed, target)
         seconds = time.process_time() - started
-        image = bpy.data.images.load(str(target), check_existing=False)
-        width, height = image.size
-        picture = numpy.array(image.pixels[:], float).reshape(height, width, 4)[::-1, :, :3]
-        bpy.data.images.remove(image)
-        return picture, seconds
+        return pixels_of(target), seconds
 
     # Builds the tree, which `use_persistent_data` keeps.
     render(1, 99)
     return render
+
+
+def pixels_of(path: Path):
+    """Colours of a picture, rows from the top."""
+    image = bpy.data.images.load(str(path), check_existing=False)
+    width, height = image.size
+    found = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return found
 
 
 def settings(made, size, bounces=0):
