@@ -18,6 +18,22 @@ def parser(doc: str) -> argparse.ArgumentParser:
     return argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
+def pair(text: str) -> tuple[int, int]:
+    """Width and height."""
+    width, height = text.split("x")
+    return int(width), int(height)
+
+
+def floats(text: str) -> list[float]:
+    """Numbers of a list."""
+    return [float(part) for part in text.split(",")]
+
+
+def ints(text: str) -> list[int]:
+    """Whole numbers of a list."""
+    return [int(part) for part in text.split(",")]
+
+
 def program() -> str:
     """Path of the renderer."""
     return os.environ.get("SUNFLECK", "sunfleck")

@@ -40,9 +40,9 @@ from pathlib import Path
 
 import numpy
 
-from common import cpu_seconds, parser, told_of
+from common import colors, cpu_seconds, floats, ints, pair, parser, told_of, truth_of
 
-from sunfleck_tools.analysis import read_picture
+from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.peers.scene import read_scene
 from sunfleck_tools.peers.suns import with_sun
 
@@ -50,13 +50,6 @@ LEAVES500 = Path(__file__).resolve().parents[2] / "tests/data/leaves500"
 EMPTY_SIZE = "16x9"
 OWN_SUN = "own"
 REFERENCE_SAMPLES, REFERENCE_SEEDS = 512, (1001, 1002)
-
-
-def colors(path):
-    frame, fault = read_picture(path)
-    if frame is None:
-        sys.exit(f"{path}: {fault}")
-    return numpy.stack(frame.group(), axis=-1).astype(float)
 
 
 def picture_by_cycles(arguments):
@@ -94,14 +87,6 @@ def seconds_to(target, points):
     return math.nan
 
 
-def pair(text):
-    return tuple(map(int, text.split("x")))
-
-
-def numbers(text):
-    return [int(part) for part in text.split(",")]
-
-
 def parse():
     command = parser(__doc__)
     command.add_argument("input", nargs="?", type=Path, default=LEAVES500 / "leaves500.glb")
@@ -110,11 +95,9 @@ def parse():
     command.add_argument(
         "--reference-noise", type=float, default=0.00143, help="root mean square of its standard error"
     )
-    command.add_argument(
-        "--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01]
-    )
-    command.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
-    command.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
+    command.add_argument("--targets", type=floats, default=[0.02, 0.01])
+    command.add_argument("--samples", type=ints, default=[2, 3, 4, 8], help="of sunfleck")
+    command.add_argument("--cycles-samples", type=ints, default=[32, 64, 128, 256])
     command.add_argument("--rounds", type=int, default=3)
     command.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
     command.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
@@ -143,16 +126,15 @@ class View:
         found = []
         for seed in REFERENCE_SEEDS:
             ours.cpu_s(source, f"{width}x{height}", REFERENCE_SAMPLES, seed, target)
-            found.append(colors(target))
-        one, other = found
-        noise = float(numpy.mean((0.5 * (one - other)) ** 2) ** 0.5)
-        return cls(sun, source, 0.5 * (one + other), noise, own.folder)
+            found.append(colors(decode(target)))
+        reference, variance = truth_of(numpy.stack(found))
+        return cls(sun, source, reference, variance**0.5, own.folder)
 
     def point(self, renderer, samples, seed):
         """Error, seconds of the whole process, and seconds without writing."""
         target, (height, width) = self.folder / f"{renderer.name}.exr", self.reference.shape[:2]
         seconds, writing_s = renderer.cpu_s(self.source, f"{width}x{height}", samples, seed, target)
-        square = numpy.mean((colors(target) - self.reference) ** 2)
+        square = numpy.mean((colors(decode(target)) - self.reference) ** 2)
         error = max(square - self.reference_noise**2, 0.0) ** 0.5
         print(f"{self.sun:6} {renderer.name:9} {samples:8} {seed:5} {error:9.5f} {seconds:9.3f}", flush=True)
         return error, seconds, seconds - writing_s
@@ -212,7 +194,7 @@ def renderers(arguments):
 def compare(arguments, folder):
     """Prints the results of both, in turns."""
     ours, theirs = renderers(arguments)
-    own = View(OWN_SUN, arguments.input, colors(arguments.reference), arguments.reference_noise, folder)
+    own = View(OWN_SUN, arguments.input, colors(decode(arguments.reference)), arguments.reference_noise, folder)
     views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
     height, width = own.reference.shape[:2]
     print(

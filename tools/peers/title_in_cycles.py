@@ -25,7 +25,7 @@ from pathlib import Path
 import bpy
 import numpy
 
-from common import colors, parser, rendered
+from common import colors, pair, parser, rendered
 
 from sunfleck_tools.peers import cycles
 from sunfleck_tools.peers.scene import read_scene
@@ -108,7 +108,7 @@ def main():
             channels, seconds, _ = rendered(bare, at, flags, frames)
             return colors(channels), seconds
 
-        theirs = cycles.renders(scene_of(bare, arguments.frame, tuple(map(int, arguments.size.split("x")))))
+        theirs = cycles.renders(scene_of(bare, arguments.frame, pair(arguments.size)))
         reference, _ = ours(arguments.reference_samples, 7)
         mean = reference.mean()
 

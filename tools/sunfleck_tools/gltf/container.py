@@ -29,7 +29,7 @@ class Container:
         data = read_bytes(path)
         self._binary: bytes | None = None
         if data[:4] == b"glTF":
-            data, self._binary = _chunks(data, path)
+            data, self._binary = chunks(data, path)
         try:
             document = json.loads(data.decode("utf-8-sig"))
         except RecursionError:
@@ -100,7 +100,7 @@ def read_bytes(path: Path) -> bytes:
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _chunks(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
+def chunks(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
     """JSON and binary chunk of a .glb (specification, 4.4)."""
     found: dict[int, bytes] = {}
     at = 12

@@ -96,9 +96,14 @@ class GlbWriter:
             self.document["buffers"] = [{"byteLength": len(self._binary)}]
         if self.extensions:
             self.document["extensionsUsed"] = sorted(self.extensions)
-        text = json.dumps(self.document, separators=(",", ":"), allow_nan=False).encode()
-        text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
-        if self._binary:
-            chunks += struct.pack("<II", len(self._binary), BINARY_CHUNK) + bytes(self._binary)
-        return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+        return glb(self.document, bytes(self._binary))
+
+
+def glb(document: dict, binary: bytes) -> bytes:
+    """Bytes of a file with a document and a buffer, which may be empty."""
+    text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
+    if binary:
+        chunks += struct.pack("<II", len(binary), BINARY_CHUNK) + binary
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks

@@ -3,23 +3,19 @@ another file."""
 
 import json
 import math
-import struct
 from collections.abc import Callable
 from pathlib import Path
 
-JSON_CHUNK, HEADER_BYTES = 0x4E4F534A, 20
+from ..gltf.container import chunks
+from ..gltf.writer import glb as glb_bytes
 
 
 def changed(glb: Path, made: Path, change: Callable[[dict], None]) -> Path:
     """Writes a GLB with a change to its document alone."""
-    data = glb.read_bytes()
-    json_end = HEADER_BYTES + struct.unpack_from("<I", data, 12)[0]
-    document, rest = json.loads(data[HEADER_BYTES:json_end]), data[json_end:]
+    text, binary = chunks(glb.read_bytes(), glb)
+    document = json.loads(text)
     change(document)
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    header = struct.pack("<4sIIII", b"glTF", 2, HEADER_BYTES + len(text) + len(rest), len(text), JSON_CHUNK)
-    made.write_bytes(header + text + rest)
+    made.write_bytes(glb_bytes(document, binary or b""))
     return made
 
 
