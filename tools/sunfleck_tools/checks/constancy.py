@@ -56,28 +56,20 @@ def structure(rendered: Rendered) -> Iterator[Found]:
         yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
 
 
-@check("mixed-version", Severity.ERROR, Scope.SEQUENCE, "frames were rendered by different versions")
-def mixed_version(rendered: Rendered) -> Iterator[Found]:
-    """Some machines of a farm have an older version."""
-    yield from odd_ones(rendered, "version", lambda frame: frame.provenance.get("version"))
+def same(id: str, severity: Severity, what: str, key: str, about: str) -> None:
+    """Registers a check of one value of the files' provenance."""
+
+    @check(id, severity, Scope.SEQUENCE, f"frames {about}")
+    def mixed(rendered: Rendered) -> Iterator[Found]:
+        yield from odd_ones(rendered, what, lambda frame: frame.provenance.get(key))
 
 
-@check("mixed-scene", Severity.ERROR, Scope.SEQUENCE, "frames show different states of the scene")
-def mixed_scene(rendered: Rendered) -> Iterator[Found]:
-    """The scene was changed, and only some frames were rendered again."""
-    yield from odd_ones(rendered, "scene's hash", lambda frame: frame.provenance.get("sceneHash"))
-
-
-@check("mixed-settings", Severity.ERROR, Scope.SEQUENCE, "frames were rendered with different settings")
-def mixed_settings(rendered: Rendered) -> Iterator[Found]:
-    """Samples, size, passes, method and other settings differ."""
-    yield from odd_ones(rendered, "settings' hash", lambda frame: frame.provenance.get("settingsHash"))
-
-
-@check("mixed-seed", Severity.WARNING, Scope.SEQUENCE, "frames were rendered with different seeds")
-def mixed_seed(rendered: Rendered) -> Iterator[Found]:
-    """Harmless in a picture, but a sign of two runs."""
-    yield from odd_ones(rendered, "seed", lambda frame: frame.provenance.get("seed"))
+# Some machines of a farm have an older version; or some frames alone were rendered again.
+same("mixed-version", Severity.ERROR, "version", "version", "were rendered by different versions")
+same("mixed-scene", Severity.ERROR, "scene's hash", "sceneHash", "show different states of the scene")
+same("mixed-settings", Severity.ERROR, "settings' hash", "settingsHash", "were rendered with different settings")
+# Harmless in a picture, but a sign of two runs.
+same("mixed-seed", Severity.WARNING, "seed", "seed", "were rendered with different seeds")
 
 
 @check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no hash: damage may go unseen")

@@ -3,11 +3,7 @@
 Invariant: any other file is supported or damaged.
 """
 
-from mmap import mmap
-from pathlib import Path
-
 from .header import COMPRESSIONS, HeaderError, parse_headers
-from .mapped import mapped
 
 UNREAD = {
     "htj2k256": "HTJ2K (htj2k256)", "htj2k32": "HTJ2K (htj2k32)", "lj2k": "lossy JPEG 2000 (lj2k)", "zstd": "Zstandard (zstd)",
@@ -19,18 +15,9 @@ CUBE = b"\1"
 UNFOLD = "`exrenvmap -latlong IN.exr OUT.exr` of OpenEXR's own tools does"
 
 
-def why_unread(path: str | Path) -> str | None:
+def why_unread(data: bytes) -> str | None:
     """Sentence with a remedy if the renderer does not support an EXR file; None if it does, if the file is
     not EXR, or if that is unknown."""
-    try:
-        with mapped(Path(path)) as data:
-            return why_unread_bytes(data)
-    except OSError:
-        return None
-
-
-def why_unread_bytes(data: bytes | mmap) -> str | None:
-    """The same for the bytes of a file."""
     try:
         headers = parse_headers(data)
     except HeaderError:

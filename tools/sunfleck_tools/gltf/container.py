@@ -17,6 +17,9 @@ from .values import Value
 
 LARGEST_FILE = 2**32  # what glTF's container can count
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+DISPLAY_PICTURES = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg"}
+LINEAR_PICTURES = {b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
+"""First bytes of files, and their names' endings."""
 
 
 class Container:
@@ -79,6 +82,13 @@ class Container:
             )
         return read_bytes(path)
 
+    def picture(self, image: Value) -> bytes:
+        """Bytes of an image's file."""
+        if (view := image.member("bufferView")) is None:
+            return self.linked(image.need("uri"))
+        data, start, length, _ = self.view(view)
+        return data[start : start + length]
+
     def view(self, index: Value) -> tuple[bytes, int, int, int]:
         """Buffer, first byte, length and stride (0 if tight) of a buffer view."""
         view = index.item_of(self._views, "buffer view")
@@ -87,6 +97,12 @@ class Container:
         if start + length > len(data):
             view.fail(f"ends at byte {start + length} of {len(data)}")
         return data, start, length, int(view.number_at("byteStride", 0, 0, 65536))
+
+
+def ending_of(data: bytes, kinds: dict[bytes, str], of: Value, what: str) -> str:
+    """Ending of a picture's name by its first bytes; other pictures of `of` fail."""
+    ending = next((ending for start, ending in kinds.items() if data.startswith(start)), None)
+    return ending or of.fail(what)
 
 
 def read_bytes(path: Path) -> bytes:

@@ -12,11 +12,12 @@ import numpy as np
 from ..exr.decode import LARGEST_COMPRESSION
 from ..exr.header import HeaderError, parse_header
 from ..exr.write import write_colors
+from ..gltf.container import DISPLAY_PICTURES, LINEAR_PICTURES, ending_of
 from ..gltf.scene import Gltf
 from ..gltf.sky import read_sky
 from ..gltf.values import Value
 
-KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
+KINDS = {**DISPLAY_PICTURES, **LINEAR_PICTURES}
 MOST_TEXELS = 1 << 26
 """Maximum number of texels, as in the renderer."""
 WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
@@ -83,11 +84,6 @@ def read_texture(gltf: Gltf, info: Value) -> Texture:
     textures, images, samplers = (document.items(name) for name in ("textures", "images", "samplers"))
     texture = info.need("index").item_of(textures, "texture")
     image = texture.need("source").item_of(images, "image")
-    if (view := image.member("bufferView")) is not None:
-        data, start, length, _ = gltf.container.view(view)
-        data = data[start : start + length]
-    else:
-        data = gltf.container.linked(image.need("uri"))
     sampler = texture.member("sampler")
     wrap = 10497 if sampler is None else sampler.item_of(samplers, "sampler").number_at("wrapS", 10497)
     layer, linear = info.number_at("texCoord", 0, 0, 7), np.eye(2)
@@ -99,13 +95,12 @@ def read_texture(gltf: Gltf, info: Value) -> Texture:
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         linear = turn @ np.diag(scale)
         offset = np.array(moved.numbers_at("offset", 0.0, 0.0))
-    return Texture(_picture(data, image), WRAPS.get(int(wrap), "repeat"), int(layer), offset, linear)
+    picture = _picture(gltf.container.picture(image), image)
+    return Texture(picture, WRAPS.get(int(wrap), "repeat"), int(layer), offset, linear)
 
 
 def _picture(data: bytes, source: Value) -> Picture:
-    ending = next((ending for start, ending in KINDS.items() if data.startswith(start)), None)
-    if ending is None:
-        source.fail("other renderers get PNG, JPEG, OpenEXR and Radiance HDR")
+    ending = ending_of(data, KINDS, source, "other renderers get PNG, JPEG, OpenEXR and Radiance HDR")
     # Formats whose few bytes can declare any size.
     if ending == ".png" and len(data) >= 24:
         pixels, most = int.from_bytes(data[16:20], "big") * int.from_bytes(data[20:24], "big"), MOST_TEXELS

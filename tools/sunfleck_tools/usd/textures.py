@@ -6,12 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from ..exr.write import write_colors
-from ..gltf.container import Container
+from ..gltf.container import DISPLAY_PICTURES, LINEAR_PICTURES, Container, ending_of
 from ..gltf.values import Value
 from .prims import Names
-
-KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg"}
-SKY_KINDS = {b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
 
 
 class Textures:
@@ -31,37 +28,27 @@ class Textures:
         number = source.index(self.images, "image")
         if number not in self._files:
             image = self.images[number]
-            data = self._bytes(image)
-            ending = next((ending for start, ending in KINDS.items() if data.startswith(start)), None)
-            if ending is None:
-                image.fail("is neither PNG nor JPEG")
-            stem = Path(image.text_at("name") or f"image {number}").stem
-            name = self.names.new(stem) + ending
-            self.folder.mkdir(exist_ok=True)
-            (self.folder / name).write_bytes(data)
-            self._files[number] = f"./{self.name}/{name}"
+            data = self.container.picture(image)
+            ending = ending_of(data, DISPLAY_PICTURES, image, "is neither PNG nor JPEG")
+            self._files[number] = self._written(Path(image.text_at("name") or f"image {number}").stem, ending, data)
         return self._files[number]
 
     def sky_file(self, uri: Value) -> str:
         """Path, relative to the stage, of a linear picture that a file links to."""
         data = self.container.linked(uri)
-        ending = next((ending for start, ending in SKY_KINDS.items() if data.startswith(start)), None)
-        if ending is None:
-            uri.fail("is neither OpenEXR nor Radiance HDR")
-        name = self.names.new("sky") + ending
-        self.folder.mkdir(exist_ok=True)
-        (self.folder / name).write_bytes(data)
-        return f"./{self.name}/{name}"
+        return self._written("sky", ending_of(data, LINEAR_PICTURES, uri, "is neither OpenEXR nor Radiance HDR"), data)
 
     def picture_file(self, stem: str, pixels: np.ndarray) -> str:
         """Path, relative to the stage, of a linear picture that is written as OpenEXR."""
-        name = self.names.new(stem) + ".exr"
-        self.folder.mkdir(exist_ok=True)
-        write_colors(self.folder / name, pixels)
-        return f"./{self.name}/{name}"
+        path = self._new(stem, ".exr")
+        write_colors(path, pixels)
+        return f"./{self.name}/{path.name}"
 
-    def _bytes(self, image: Value) -> bytes:
-        if (view := image.member("bufferView")) is not None:
-            data, start, length, _ = self.container.view(view)
-            return data[start : start + length]
-        return self.container.linked(image.need("uri"))
+    def _written(self, stem: str, ending: str, data: bytes) -> str:
+        path = self._new(stem, ending)
+        path.write_bytes(data)
+        return f"./{self.name}/{path.name}"
+
+    def _new(self, stem: str, ending: str) -> Path:
+        self.folder.mkdir(exist_ok=True)
+        return self.folder / (self.names.new(stem) + ending)

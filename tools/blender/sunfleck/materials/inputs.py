@@ -68,10 +68,6 @@ def losses_of_principled(node):
         yield "single-scattering"
 
 
-# Maximum roughness at which the shape of a light shows in a reflection, where lights are points here.
-SMOOTH = 0.1
-
-
 def is_white(socket):
     return not links.link_to(socket) and value_of(socket)[:3] == (1.0, 1.0, 1.0)
 

@@ -12,9 +12,9 @@ import numpy as np
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
-from ...exr.codecs import why_unread_bytes
+from ...exr.codecs import why_unread
 from ...exr.write import write_colors
-from ..textures import SKY_KINDS
+from ...gltf.container import LINEAR_PICTURES
 from .lamp_inputs import LampInputs
 from .losses import Losses
 from .source import Source
@@ -42,14 +42,14 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
     if not opened or opened.GetSize() > MOST_BYTES:
         raise SceneError(f"{place}: the picture `{asset.path}` cannot be read")
     data = bytes(opened.GetBuffer() or b"")
-    if not data.startswith(tuple(SKY_KINDS)):
+    if not data.startswith(tuple(LINEAR_PICTURES)):
         try:
             data = _exr_of(asset.resolvedPath)
         except PictureError as error:
             raise SceneError(
                 f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR, and {error}"
             ) from None
-    elif (why := why_unread_bytes(data)) is not None:
+    elif (why := why_unread(data)) is not None:
         raise SceneError(f"{place}: the picture `{asset.path}` is not taken: {why}")
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
