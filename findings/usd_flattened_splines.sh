@@ -6,8 +6,9 @@
 # played at half speed turns a leaf by 45 degrees until frame 34, and by 90 until 58. What happens: OpenUSD moves
 # samples, and leaves splines (`TsSpline`, an attribute's curve of knots) at the times of the sublayer. The leaf is at
 # 37.5 degrees at frame 10 and at 90 from frame 24 on. Two leaves, one by samples and one by a spline, are side by side
-# in the shot, and 45 degrees apart in what was delivered. The composed stage is right, and so are its `Flatten` and a
-# reference with an offset, so that a look at the stage shows nothing. Nothing is said.
+# in the shot, and 45 degrees apart in what was delivered. A sublayer of 48 time codes per second in a shot of 24 plays
+# at half speed, without any offset. The composed stage is right, and so are its `Flatten` and a reference with an
+# offset, so that a look at the stage shows nothing. Nothing is said.
 # Remedy: `Usd.Stage.Flatten`, which flattens references as well; or write samples of splines before.
 # Versions: usd-core 26.11 (PyPI). Source: measured here; https://openusd.org/release/api/flatten_layer_stack_8h.html
 # (offsets remap any time-keyed scene description); https://github.com/PixarAnimationStudios/OpenUSD
@@ -48,18 +49,26 @@ for name in ("spline", "samples"):
     references = referenced.DefinePrim("/" + name).GetReferences()
     references.AddReference("leaves.usda", "/" + name, Sdf.LayerOffset(10, 2))
 delivered = Usd.Stage.Open(UsdUtils.FlattenLayerStack(shot))
+# The same leaves within 48 time codes of half the length.
+with open("fine.usda", "w") as file:
+    file.write(LEAVES.replace("\n", "\n(\n    timeCodesPerSecond = 48\n)\n", 1).replace("24: ", "48: "))
+mixed = Usd.Stage.CreateNew("mixed.usda")
+mixed.SetTimeCodesPerSecond(24)
+mixed.GetRootLayer().subLayerPaths.append("fine.usda")
 
 RIGHT, LATE = [0, 45, 90], [37.5, 90, 90]
-for where, stage, by_spline in [
-    ("the shot", shot, RIGHT),
-    ("Flatten of it", Usd.Stage.Open(shot.Flatten()), RIGHT),
-    ("a reference", referenced, RIGHT),
-    ("FlattenLayerStack", delivered, LATE),
+for where, stage, frames, by_spline in [
+    ("the shot", shot, FRAMES, RIGHT),
+    ("Flatten of it", Usd.Stage.Open(shot.Flatten()), FRAMES, RIGHT),
+    ("a reference", referenced, FRAMES, RIGHT),
+    ("FlattenLayerStack", delivered, FRAMES, LATE),
+    ("48 time codes per second in 24", mixed, (0, 12, 24), RIGHT),
+    ("FlattenLayerStack of that", Usd.Stage.Open(UsdUtils.FlattenLayerStack(mixed)), (0, 12, 24), [0, 22.5, 45]),
 ]:
     for name, wanted in [("samples", RIGHT), ("spline", by_spline)]:
         turned = stage.GetPrimAtPath("/" + name).GetAttribute("xformOp:rotateZ")
-        found = [turned.Get(frame) for frame in FRAMES]
-        print("usd", ".".join(map(str, Usd.GetVersion())), where + ", by", name + ":", found, "degrees at", FRAMES)
+        found = [turned.Get(frame) for frame in frames]
+        print("usd", ".".join(map(str, Usd.GetVersion())), where + ", by", name + ":", found, "degrees at", frames)
         if any(abs(one - other) > 0.01 for one, other in zip(found, wanted)):
             raise SystemExit("this has changed")
 END
