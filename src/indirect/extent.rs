@@ -5,6 +5,7 @@ use super::contents::WALL_CELLS;
 use super::layers::Layers;
 use crate::canopy::core_bounds::{Bounds, Strays, Weighed, core_bounds, union};
 use crate::canopy::surroundings::Surroundings;
+use crate::color::Rgb;
 use crate::math::Ray;
 use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
@@ -50,6 +51,11 @@ const NEARLY_ALL: f64 = 0.95;
 /// Maximum distance to which unbounded fog counts, in sizes of the innermost grid.
 const FARTHEST: f64 = 1e3;
 
+/// Optical depth of a cell above which lamps in bounded fog have finer cells about them: close to a lamp,
+/// light that is scattered twice falls off as 1/r.
+const LAMP_CELL_DEPTH: f64 = 0.05;
+/// Optical depth around a lamp that these cells cover.
+const LAMP_DEPTH: f64 = 0.5;
 /// Optical depth around a lamp to which unbounded fog counts.
 const LIT_DEPTH: f64 = 2.0;
 /// Maximum distance from a lamp to which it counts, in multiples of the lamp's height above ground plus the
@@ -72,19 +78,17 @@ pub(super) fn levels(
     let fog = core_bounds(fogs.clone(), Strays::Sparse);
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
     let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
-    let both = [fog, leaves].into_iter().flatten().reduce(union);
-    let is_fine_enough = |bounds: &Bounds| {
-        let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
-        leaf_m == 0.0 || fine_m(*bounds) < COARSEST * LEAVES_PER_CELL * leaf_m
-    };
-    let lit = layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, glow));
-    let all_lit = || lit.iter().copied().reduce(union);
-    let inner = both.filter(is_fine_enough).or(leaves).or(fog).or(all).or_else(all_lit);
+    let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
+    let lamps = fog.and_then(|fog| about_lamps(snapshot, fog, glow));
+    let lit = |depth| layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, (glow, depth)));
+    let lamps_alone = || lit(LAMP_DEPTH).into_iter().reduce(union);
+    let resolved = resolved(snapshot, [fog, leaves, lamps], leaf_m);
+    let inner = resolved.or(leaves).or(fog).or(all).or_else(lamps_alone);
     let Some(inner) = inner else { return Vec::new() };
     let all = [all, core_bounds(fogs, Strays::Lost)].into_iter().flatten().reduce(union);
     let world = match layers {
         Some(layers) => {
-            let near = lit.iter().copied().filter(|lit| is_near(*lit, inner));
+            let near = lit(LIT_DEPTH).into_iter().filter(|lit| is_near(*lit, inner));
             layers.down_to_ground(near.chain(all).fold(inner, union))
         }
         None => world(snapshot, inner, all),
@@ -117,6 +121,17 @@ pub(super) fn levels(
         grids.extend(grid(bounds, cell_m));
     }
     grids
+}
+
+/// Bounded fog and leaves; leaves and lamps alone, where its cells would be too large for lamps. `None` where
+/// they are too large for leaves.
+fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf_m: f64) -> Option<Bounds> {
+    let all = [fog, leaves].into_iter().flatten().reduce(union)?;
+    let less = [lamps, leaves].into_iter().flatten().reduce(union);
+    let is_coarse = fine_m(all) * snapshot.medium.most_extinction_per_m() > LAMP_CELL_DEPTH;
+    let is_finer = |less: &Bounds| lamps.is_some() && 2.0 * fine_m(*less) < fine_m(all);
+    let bounds = less.filter(is_finer).filter(|_| is_coarse).unwrap_or(all);
+    (leaf_m == 0.0 || fine_m(bounds) < COARSEST * LEAVES_PER_CELL * leaf_m).then_some(bounds)
 }
 
 /// Cell size that leaves ask for.
@@ -170,15 +185,30 @@ fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
     snapshot.medium.all_bounds().map(weighed).collect()
 }
 
-/// Fog around lamps and emissive surfaces, whose light layers do not have.
-fn lit_fogs(snapshot: &Snapshot, layers: &Layers, glow: &[Luminaire]) -> Vec<Bounds> {
+/// Bounded fog around lamps and emissive surfaces, as far as their light varies much. Fog of voxels is left
+/// out, as its density varies as much.
+fn about_lamps(snapshot: &Snapshot, fog: Bounds, glow: &[Luminaire]) -> Option<Bounds> {
+    let medium = &snapshot.medium;
+    let reach = DVec3::splat(LAMP_DEPTH / medium.most_extinction_per_m());
+    let about = |light: &Luminaire| {
+        let FrozenLight::Point { position, .. } = light.centre() else { return None };
+        let place = snapshot.world_from_relative(position);
+        let is_in_fog = medium.extinction_at(position) != Rgb::ZERO;
+        is_in_fog.then(|| ((place - reach).max(fog.0), (place + reach).min(fog.1)))
+    };
+    let lights = snapshot.lights.iter().chain(glow).filter(|_| !medium.has_voxels());
+    lights.filter_map(about).reduce(union)
+}
+
+/// Fog around lamps and emissive surfaces, whose light layers do not have, to an optical depth.
+fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (glow, depth): (&[Luminaire], f64)) -> Vec<Bounds> {
     let up = layers.up().abs();
     let about = |light: &Luminaire| {
         let FrozenLight::Point { position, .. } = light.centre() else { return None };
         let place = snapshot.world_from_relative(position);
         let farthest_m = LIT_HEIGHTS * (layers.above_ground_m(place) + layers.scale_m());
         let ray = Ray { origin: position, direction: up.any_orthonormal_vector() };
-        let reach_m = reach_m(snapshot, &ray, farthest_m, LIT_DEPTH);
+        let reach_m = reach_m(snapshot, &ray, farthest_m, depth);
         let reach = reach_m * (DVec3::ONE - up) + reach_m.min(LIT_ABOVE * layers.scale_m()) * up;
         Some((place - reach, place + reach))
     };

@@ -62,6 +62,7 @@ mod slices;
 mod spots;
 mod tolerance;
 mod translucent;
+mod twice_scattered;
 mod vdb;
 mod voxel_fog;
 
