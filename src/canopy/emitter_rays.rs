@@ -4,7 +4,7 @@
 use super::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
 use crate::light::{Emission, LampShape};
-use crate::math::{Ray, kronecker};
+use crate::math::{Ray, bounds, corners, kronecker};
 use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
@@ -16,10 +16,8 @@ pub(crate) const BUNDLE: usize = 4;
 const RAYS_PER_CELL: f64 = 8.0;
 /// Maximum number of rays of a sun.
 const MOST_RAYS: f64 = 100_000.0;
-/// Number of rays of a lamp.
 const LAMP_RAYS: usize = 40_000;
 
-/// A ray that carries power.
 pub(crate) struct PowerRay {
     pub(crate) ray: Ray,
     /// Power before any fog, W.
@@ -55,20 +53,9 @@ impl Emitters<'_> {
     /// Rays of a sun, equally spaced at right angles to its direction, at places that depend on the direction
     /// alone. Each [`BUNDLE`] neighbouring rays are consecutive.
     pub(crate) fn of_sun(&self, light: &Luminaire, to_light: DVec3) -> Vec<PowerRay> {
-        let (low, high) = self.grid.volume();
         let (right, up) = to_light.any_orthonormal_pair();
-        let corners = (0..8).map(|corner| {
-            DVec3::new(
-                if corner & 1 == 0 { low.x } else { high.x },
-                if corner & 2 == 0 { low.y } else { high.y },
-                if corner & 4 == 0 { low.z } else { high.z },
-            )
-        });
-        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in corners {
-            let place = DVec3::new(corner.dot(right), corner.dot(up), corner.dot(to_light));
-            (least, most) = (least.min(place), most.max(place));
-        }
+        let place = |corner: DVec3| DVec3::new(corner.dot(right), corner.dot(up), corner.dot(to_light));
+        let (least, most) = bounds(corners(self.grid.volume()).map(place));
         let span = most - least;
         let spacing = (self.grid.cell_m / RAYS_PER_CELL).max((span.x * span.y / MOST_RAYS).sqrt());
         let irradiance = mean_irradiance(light);

@@ -90,7 +90,6 @@ impl<'a> Numbered<'a> {
         Ok(numbers)
     }
 
-    /// Path of the file with a number.
     pub(super) fn file(&self, number: i64) -> PathBuf {
         self.path.with_file_name(self.file_name(number))
     }

@@ -7,7 +7,7 @@ use super::falloff::{Climb, Falloff};
 use super::voxel_fog::VoxelFog;
 use crate::color::Rgb;
 use crate::light::LightPlace;
-use crate::math::{LitVoxels, Ray};
+use crate::math::{LitVoxels, Ray, corners};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
@@ -311,10 +311,7 @@ impl FogBank {
     pub fn corners(&self) -> Option<[DVec3; 8]> {
         self.is_bounded().then(|| {
             let relative_from_cube = self.cube_from_relative.inverse();
-            std::array::from_fn(|corner| {
-                let side = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                relative_from_cube.transform_point3(DVec3::new(side(0), side(1), side(2)))
-            })
+            corners((DVec3::NEG_ONE, DVec3::ONE)).map(|corner| relative_from_cube.transform_point3(corner))
         })
     }
 

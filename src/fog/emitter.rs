@@ -2,7 +2,7 @@
 //! cell has its own Gauss rule, exact without absorption.
 
 use crate::color::Rgb;
-use crate::math::{Ray, Voxels, gauss_legendre};
+use crate::math::{Ray, Voxels, bounds, corners, gauss_legendre};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -28,14 +28,8 @@ impl Emitter {
 
     /// Its bounds, in relative space.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        let (low, high) = self.voxels.bounds();
         let relative_from_voxel = self.voxel_from_relative.inverse();
-        let corners = (0..8).map(|corner| {
-            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            relative_from_voxel.transform_point3(DVec3::new(side(0), side(1), side(2)))
-        });
-        let about = |(low, high): (DVec3, DVec3), corner| (low.min(corner), high.max(corner));
-        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), about)
+        bounds(corners(self.voxels.bounds()).map(|corner| relative_from_voxel.transform_point3(corner)))
     }
 
     /// Emission at a point in every direction, W m^-3 sr^-1.

@@ -4,6 +4,7 @@
 use super::pixel_hash::pixel_hash;
 use super::provenance::{COLOR_ID, REC_709, text};
 use super::{FrameFileError, Provenance, atomic, cryptomatte, file_hash};
+use crate::description::exr::{PREAMBLE, raw_parts, record};
 use crate::film::{Channel, Frame, Precision};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
@@ -78,22 +79,9 @@ fn stored(channel: &Channel) -> AnyChannel<FlatSamples> {
 /// Sorts the header's attributes by name: the encoder keeps some of them in a hash map, whose order differs
 /// from run to run. The header's length stays the same, so offsets stay valid.
 fn sort_attributes(file: &mut [u8]) -> Option<()> {
-    /// Magic number and version.
-    const PREAMBLE: usize = 8;
-    let mut records = Vec::new();
-    let mut rest = file.get(PREAMBLE..)?;
-    // Each attribute: name, 0, type, 0, size as i32, value. An empty name ends the header.
-    while *rest.first()? != 0 {
-        let name = rest.iter().position(|&byte| byte == 0)?;
-        let kind = rest.get(name + 1..)?.iter().position(|&byte| byte == 0)?;
-        let size_at = name + 1 + kind + 1;
-        let size = u32::from_le_bytes(rest.get(size_at..size_at + 4)?.try_into().ok()?);
-        let (record, behind) = rest.split_at_checked(size_at + 4 + usize::try_from(size).ok()?)?;
-        records.push((record[..name].to_vec(), record.to_vec()));
-        rest = behind;
-    }
-    records.sort();
-    let sorted: Vec<u8> = records.into_iter().flat_map(|(_, record)| record).collect();
+    let mut attributes = raw_parts(file)?.0.into_iter().next()?.attributes;
+    attributes.sort_unstable_by_key(|(name, ..)| *name);
+    let sorted: Vec<u8> = attributes.into_iter().flat_map(record).collect();
     file.get_mut(PREAMBLE..PREAMBLE + sorted.len())?.copy_from_slice(&sorted);
     Some(())
 }

@@ -5,7 +5,9 @@ use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
 use super::region::{self, Region};
 use super::{Attributes, FrameFileError, Provenance, file_hash};
-use crate::description::exr::{self as exr_input, DeepFault, ImageColors, Unread};
+use crate::description::exr::{
+    self as exr_input, DeepFault, ImageColors, LARGEST_COMPRESSION, LARGEST_PICTURE, Unread,
+};
 use crate::description::read_regular;
 use crate::film::Frame;
 use crate::scene::Window;
@@ -18,11 +20,6 @@ use exr::meta::header::Header;
 use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
-
-/// Maximum bytes of pixels per byte of file. Deflate reaches at most 1032, so no valid file is refused.
-const LARGEST_COMPRESSION: u64 = 4096;
-/// Maximum bytes of pixels: an 8K picture with thirty float channels.
-const LARGEST_PICTURE: u64 = 4 << 30;
 
 /// Contents of a file.
 #[derive(Clone, Debug)]
@@ -158,16 +155,13 @@ pub fn is_valid(path: &Path, expected: &Provenance) -> bool {
 
 /// Refuses files that need too much memory.
 fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<(), FrameFileError> {
-    let mut bytes = 0_u64;
-    for header in headers {
+    let of_part = |header: &Header| {
         let Vec2(width, height) = header.layer_size;
         // Decoded integers and halves take four bytes, like floats.
-        let of_part = (width as u64)
-            .saturating_mul(height as u64)
-            .saturating_mul(4)
-            .saturating_mul(header.channels.list.len() as u64);
-        bytes = bytes.saturating_add(of_part);
-    }
+        let bytes = 4 * header.channels.list.len() as u64;
+        (width as u64).saturating_mul(height as u64).saturating_mul(bytes)
+    };
+    let bytes = headers.iter().map(of_part).fold(0, u64::saturating_add);
     let limit = file_bytes.saturating_mul(LARGEST_COMPRESSION).min(LARGEST_PICTURE);
     if bytes > limit {
         return Err(FrameFileError::TooLarge { path: path.to_owned(), bytes, limit });

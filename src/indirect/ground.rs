@@ -3,6 +3,7 @@
 
 use crate::canopy::surroundings::Surroundings;
 use crate::canopy::surroundings::wide::WidePart;
+use crate::math::bounds;
 use crate::ordinates::surface_optics::SurfaceOptics;
 use glam::DVec3;
 
@@ -44,7 +45,7 @@ impl Beneath {
             let (low_m, high_m) = heights()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
             if high_m - low_m <= FLAT * scale_m {
-                flat.push((number, 0.5 * (low_m + high_m), area_m2, bounds(&corners)));
+                flat.push((number, 0.5 * (low_m + high_m), area_m2, bounds(corners)));
             } else if width_m >= NARROWEST * scale_m && high_m - low_m <= HILL * width_m {
                 return Self::Hills;
             }
@@ -65,10 +66,4 @@ impl Beneath {
         let numbers: Vec<usize> = flat.iter().map(|part| part.0).collect();
         Self::Plain(Ground { height_m, optics: surroundings.take_plain(&numbers) })
     }
-}
-
-fn bounds(corners: &[DVec3]) -> (DVec3, DVec3) {
-    corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| {
-        (low.min(*corner), high.max(*corner))
-    })
 }

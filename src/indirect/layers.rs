@@ -15,6 +15,7 @@ use super::towards::Towards;
 use crate::canopy::clumps::Clump;
 use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
+use crate::math::{bounds, corners};
 use crate::ordinates::angular_radiance::AngularRadiance;
 use crate::ordinates::boundary::{IncidentRadiance, Surrounding, rim_places};
 use crate::ordinates::grid::Grid;
@@ -324,12 +325,9 @@ impl Layers {
     /// A box in world space, extended down to the ground if there is any.
     pub(super) fn down_to_ground(&self, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
         let Some(ground_m) = self.heights.ground_m() else { return (low, high) };
-        let lowest = (0..8).map(|corner| {
-            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let place = DVec3::new(side(0), side(1), side(2));
-            place - (self.heights.height_m(place) - ground_m).max(0.0) * self.heights.up
-        });
-        lowest.fold((low, high), |(low, high), place| (low.min(place), high.max(place)))
+        let lowest = corners((low, high))
+            .map(|place| place - (self.heights.height_m(place) - ground_m).max(0.0) * self.heights.up);
+        bounds(lowest.into_iter().chain([low, high]))
     }
 
     /// Scale height of the fog, metres.

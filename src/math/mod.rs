@@ -1,6 +1,7 @@
 //! Geometry and numerics without any notion of scenes or light. Invariant: the only units are metres, seconds
 //! and radians.
 
+mod bounds;
 mod brick_rows;
 mod chance;
 mod chebyshev;
@@ -27,6 +28,7 @@ mod voxel_means;
 mod voxel_walk;
 mod voxels;
 
+pub use bounds::{bounds, corners};
 pub use brick_rows::BRICK;
 pub use chance::Chance;
 pub use chebyshev::Antiderivative;

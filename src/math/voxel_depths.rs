@@ -2,7 +2,7 @@
 //! of lines along the direction. Invariant: at the lattice's nodes they are exact to a 65,535th of the line's
 //! whole depth; between them they are linear.
 
-use super::{Ray, Voxels};
+use super::{Ray, Voxels, bounds, corners};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
@@ -59,14 +59,8 @@ impl VoxelDepths {
         let up = to_light.normalize();
         let (right, across) = up.any_orthonormal_pair();
         let axes = [right, across, up];
-        let (low, high) = voxels.bounds();
-        let (mut from, mut to) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in 0..8 {
-            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let corner = DVec3::new(side(0), side(1), side(2));
-            let along = DVec3::from_array(axes.map(|axis| axis.dot(corner)));
-            (from, to) = (from.min(along), to.max(along));
-        }
+        let along = |corner: DVec3| DVec3::from_array(axes.map(|axis| axis.dot(corner)));
+        let (from, to) = bounds(corners(voxels.bounds()).map(along));
         let apart = |most: f64| ((to - from).element_product() / most).cbrt();
         let spacing = spacing.max(apart(MOST_FINE_NODES).min(FINE)).max(apart(MOST_NODES));
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);

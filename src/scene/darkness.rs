@@ -4,6 +4,7 @@
 use super::{Instance, Light, LightKind, LightUnits, Scene};
 use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::diagnostic::{Diagnostic, Place};
+use crate::math::bounds;
 use glam::{DVec3, Vec3};
 use std::fmt;
 
@@ -102,9 +103,8 @@ fn brightest(light: &Light, time_s: f64) -> f64 {
 }
 
 fn is_within_bounds(point: DVec3, positions: &[Vec3]) -> bool {
-    let bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let (low, high) = positions.iter().fold(bounds, |(low, high), at| (low.min(*at), high.max(*at)));
-    point.cmpgt(low.as_dvec3()).all() && point.cmplt(high.as_dvec3()).all()
+    let (low, high) = bounds(positions.iter().map(|position| position.as_dvec3()));
+    point.cmpgt(low).all() && point.cmplt(high).all()
 }
 
 impl DarkCause {

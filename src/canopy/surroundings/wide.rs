@@ -3,6 +3,7 @@
 
 use super::{POINTS, PlacedPart, Surroundings};
 use crate::canopy::core_bounds::{Weighed, union};
+use crate::math::corners;
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -73,10 +74,8 @@ impl Surroundings<'_> {
             let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
             return primitives.flat_map(|primitive| self.world_corners(primitive)).collect();
         }
-        let corner = |number: usize| {
-            let side = |axis: usize| if number >> axis & 1 == 0 { part.low[axis] } else { part.high[axis] };
-            mesh.relative_from_mesh.transform_point3(DVec3::new(side(0), side(1), side(2)))
-        };
-        (0..8).map(|number| self.snapshot.world_from_relative(corner(number))).collect()
+        let relative = |corner: DVec3| mesh.relative_from_mesh.transform_point3(corner);
+        let world = |corner: DVec3| self.snapshot.world_from_relative(relative(corner));
+        corners((part.low, part.high)).map(world).to_vec()
     }
 }

@@ -8,9 +8,10 @@ use super::raw::{self, RawPart};
 use half::f16;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
-/// Maximum bytes that a byte of a file expands to, and maximum bytes of pixels, as for flat files.
-const LARGEST_COMPRESSION: u64 = 4096;
-const LARGEST_PICTURE: u64 = 4 << 30;
+/// Maximum bytes of pixels per byte of file. Deflate reaches at most 1032, so no valid file is refused.
+pub(crate) const LARGEST_COMPRESSION: u64 = 4096;
+/// Maximum bytes of pixels: an 8K picture with thirty float channels.
+pub(crate) const LARGEST_PICTURE: u64 = 4 << 30;
 /// Attributes of a header that are rewritten, or have no meaning in a flat part.
 const OF_DEEP: [&[u8]; 8] = [
     b"channels",
@@ -190,9 +191,9 @@ impl<'a> DeepPart<'a> {
     /// Writes the header of the flat part.
     fn write_header(&self, flat: &mut Vec<u8>) {
         let mut write = |name: &[u8], kind: &[u8], value: &[u8]| {
-            flat.extend([name, &[0], kind, &[0], &(value.len() as u32).to_le_bytes(), value].concat());
+            flat.extend(raw::record((name, kind, value)));
         };
-        for (name, kind, value) in self.raw.attributes() {
+        for (name, kind, value) in &self.raw.attributes {
             if !OF_DEEP.contains(name) {
                 write(name, kind, value);
             }

@@ -10,9 +10,9 @@ mod subsampled;
 mod unread;
 
 pub use colors::ImageColors;
-pub(crate) use deep::{Fault as DeepFault, flattened};
+pub(crate) use deep::{Fault as DeepFault, LARGEST_COMPRESSION, LARGEST_PICTURE, flattened};
 pub use names::{Picture, full_names, part_of_picture, stand_in};
-pub(crate) use raw::of_the_kind_of_its_flags;
+pub(crate) use raw::{PREAMBLE, of_the_kind_of_its_flags, parts as raw_parts, record};
 pub(super) use sky::{Fault, of_exr, size_of_exr};
 pub(crate) use subsampled::{is_subsampled, read as read_subsampled};
 pub use unread::Unread;
@@ -28,7 +28,9 @@ pub(crate) fn colors_of(bytes: &[u8], part: usize) -> ImageColors {
 
 /// The part if it has attributes of colours, else the first one.
 fn raw_part<'a, 'b>(parts: &'a [raw::RawPart<'b>], part: usize) -> Option<&'a raw::RawPart<'b>> {
-    parts.get(part).filter(|part| part.says_colors()).or(parts.first())
+    let has_colors =
+        |part: &&raw::RawPart| part.value("colorInteropID").or(part.value("chromaticities")).is_some();
+    parts.get(part).filter(has_colors).or(parts.first())
 }
 
 /// Names of all parts and of their channels.

@@ -5,23 +5,22 @@
 use std::borrow::Cow;
 
 /// Magic number and version.
-const PREAMBLE: usize = 8;
+pub(crate) const PREAMBLE: usize = 8;
 const MULTIPART: u8 = 0x10;
 const DEEP: u8 = 0x08;
 const TILED: u8 = 0x02;
 /// An attribute's name and type.
 const TYPE: &[u8] = b"type\0string\0";
 
-/// Header of a part.
-pub(super) struct RawPart<'a> {
+pub(crate) struct RawPart<'a> {
     /// Name, type and value.
-    attributes: Vec<(&'a [u8], &'a [u8], &'a [u8])>,
+    pub(crate) attributes: Vec<(&'a [u8], &'a [u8], &'a [u8])>,
     is_multipart: bool,
     has_deep_flag: bool,
 }
 
 /// Parts of a file, and the position of their offset tables; `None` if the file is damaged or not EXR.
-pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
+pub(crate) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
     let flags = *bytes.get(5)?;
     let is_multipart = flags & MULTIPART != 0;
     let mut rest = bytes.get(PREAMBLE..)?;
@@ -48,6 +47,11 @@ pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
     }
 }
 
+/// An attribute as it is stored.
+pub(crate) fn record((name, kind, value): (&[u8], &[u8], &[u8])) -> Vec<u8> {
+    [name, &[0], kind, &[0], &(value.len() as u32).to_le_bytes(), value].concat()
+}
+
 /// Renames a `type` attribute that contradicts the flags. In a file of one part the flags have precedence,
 /// and OpenEXR ignores the attribute.
 pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
@@ -71,11 +75,6 @@ pub(super) fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 impl RawPart<'_> {
-    /// All attributes: name, type and value.
-    pub(super) fn attributes(&self) -> &[(&[u8], &[u8], &[u8])] {
-        &self.attributes
-    }
-
     /// Value of an attribute of any type.
     pub(super) fn value(&self, name: &str) -> Option<&[u8]> {
         let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
@@ -84,11 +83,9 @@ impl RawPart<'_> {
 
     /// Value of a text attribute.
     pub(super) fn text(&self, name: &str) -> Option<String> {
-        let is_text = |kind: &[u8]| kind == b"string";
         let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
-        found
-            .filter(|(_, kind, _)| is_text(kind))
-            .map(|(.., value)| String::from_utf8_lossy(value).into_owned())
+        let text = found.filter(|(_, kind, _)| *kind == b"string");
+        text.map(|(.., value)| String::from_utf8_lossy(value).into_owned())
     }
 
     /// Compression method, as OpenEXR's number.
@@ -104,11 +101,6 @@ impl RawPart<'_> {
         }
     }
 
-    /// Whether it has an attribute of its colour space.
-    pub(super) fn says_colors(&self) -> bool {
-        self.value("colorInteropID").or(self.value("chromaticities")).is_some()
-    }
-
     /// Whether it is a cube map.
     pub(super) fn is_cube(&self) -> bool {
         self.value("envmap").and_then(|value| value.first()) == Some(&1)
@@ -117,12 +109,7 @@ impl RawPart<'_> {
     /// x and y of red, green, blue and white.
     pub(super) fn chromaticities(&self) -> Option<[f32; 8]> {
         let value = self.value("chromaticities")?;
-        let number =
-            |index: usize| Some(f32::from_le_bytes(value.get(4 * index..4 * index + 4)?.try_into().ok()?));
-        let mut numbers = [0.0; 8];
-        for (index, place) in numbers.iter_mut().enumerate() {
-            *place = number(index)?;
-        }
-        Some(numbers)
+        let numbers = value.first_chunk::<32>()?.as_chunks::<4>().0;
+        Some(std::array::from_fn(|index| f32::from_le_bytes(numbers[index])))
     }
 }

@@ -194,7 +194,6 @@ fn floats(bytes: &[u8], kind: SampleType) -> impl Iterator<Item = f32> + '_ {
     })
 }
 
-/// Fills texels from whole channels.
 fn fill_whole(texels: &mut [[f32; 4]], channels: AnyChannels<FlatSamples>, places: [Option<usize>; 4]) {
     for (component, place) in places.into_iter().enumerate() {
         let Some(channel) = place.and_then(|place| channels.list.get(place)) else { continue };

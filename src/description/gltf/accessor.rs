@@ -5,6 +5,7 @@ use super::buffers::Buffers;
 use super::draco::Unpacked;
 use super::json::{Accessor, Document};
 use crate::diagnostic::Diagnostic;
+pub(super) use gltf::accessor::DataType as Component;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
@@ -32,58 +33,31 @@ pub(super) struct Wanted {
     pub(super) components: &'static [Component],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+fn component_of_code(code: u32) -> Option<Component> {
+    use Component::{F32, I8, I16, U8, U16, U32};
+    [I8, U8, I16, U16, U32, F32].into_iter().find(|component| component.as_gl_enum() == code)
 }
 
-impl Component {
-    fn from_code(code: u32) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
+/// Decodes the number at the start of `bytes`.
+fn decoded(component: Component, bytes: &[u8]) -> f64 {
+    match component {
+        Component::I8 => f64::from(bytes[0] as i8),
+        Component::U8 => f64::from(bytes[0]),
+        Component::I16 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
+        Component::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        Component::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        Component::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
     }
+}
 
-    fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// Decodes the number at the start of `bytes`.
-    fn read(self, bytes: &[u8]) -> f64 {
-        match self {
-            Self::I8 => f64::from(bytes[0] as i8),
-            Self::U8 => f64::from(bytes[0]),
-            Self::I16 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
-            Self::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-            Self::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            Self::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-        }
-    }
-
-    /// Divisor of normalized integers: the largest value (specification, 3.11).
-    fn one(self) -> f64 {
-        match self {
-            Self::I8 => 127.0,
-            Self::U8 => 255.0,
-            Self::I16 => 32767.0,
-            Self::U16 => 65535.0,
-            Self::U32 | Self::F32 => 1.0,
-        }
+/// Divisor of normalized integers: the largest value (specification, 3.11).
+fn one(component: Component) -> f64 {
+    match component {
+        Component::I8 => 127.0,
+        Component::U8 => 255.0,
+        Component::I16 => 32767.0,
+        Component::U16 => 65535.0,
+        Component::U32 | Component::F32 => 1.0,
     }
 }
 
@@ -143,7 +117,7 @@ impl<'a> Accessors<'a> {
         self.replace_sparse(&mut values, accessor, component, wanted.width, &path)?;
         if accessor.normalized {
             for value in &mut values {
-                *value = (*value / component.one()).max(-1.0);
+                *value = (*value / one(component)).max(-1.0);
             }
         }
         match values.iter().position(|value| !value.is_finite()) {
@@ -157,6 +131,23 @@ impl<'a> Accessors<'a> {
         }
     }
 
+    /// Reads one element for each of so many positions.
+    pub(super) fn read_for(
+        &self,
+        vertices: usize,
+        index: usize,
+        wanted: Wanted,
+        user: &str,
+    ) -> Result<Vec<f64>, Diagnostic> {
+        let numbers = self.read(index, wanted, user)?;
+        let count = numbers.len() / wanted.width;
+        if count == vertices {
+            return Ok(numbers);
+        }
+        let found = format!("there are {vertices} positions and {count} of these");
+        Err(self.invalid(user, found).expected("as many as there are positions"))
+    }
+
     fn check_type(
         &self,
         accessor: &Accessor,
@@ -164,22 +155,10 @@ impl<'a> Accessors<'a> {
         wanted: Wanted,
         path: &str,
     ) -> Result<Component, Diagnostic> {
-        let width = match accessor.shape.as_str() {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            "MAT4" => 16,
-            _ => 0,
-        };
-        if width != wanted.width {
-            let expected = match wanted.width {
-                1 => "SCALAR",
-                2 => "VEC2",
-                3 => "VEC3",
-                4 => "VEC4",
-                _ => "MAT4",
-            };
+        let shapes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
+        let expected =
+            shapes.iter().find(|(_, width)| *width == wanted.width).map_or("MAT4", |shape| shape.0);
+        if accessor.shape != expected {
             let found = format!("{} cannot be of type `{}`", wanted.purpose, accessor.shape);
             return Err(self.invalid(format!("{path}.type"), found).expected(expected));
         }
@@ -188,7 +167,7 @@ impl<'a> Accessors<'a> {
             return Err(self.invalid(path, found).expected(format!("{} numbers", wanted.width)));
         }
         let component_type = unpacked.map_or(accessor.component_type, |unpacked| unpacked.component_type);
-        Component::from_code(component_type)
+        component_of_code(component_type)
             .filter(|component| wanted.components.contains(component))
             .ok_or_else(|| {
                 let found = format!("{} cannot be of component type {component_type}", wanted.purpose);
@@ -218,7 +197,8 @@ impl<'a> Accessors<'a> {
         width: usize,
         path: &str,
     ) -> Result<Vec<f64>, Diagnostic> {
-        let element = width * source.component.bytes();
+        let step = source.component.size();
+        let element = width * step;
         let stride = source.stride.unwrap_or(element);
         if stride < element {
             return Err(self.invalid(
@@ -240,10 +220,9 @@ impl<'a> Accessors<'a> {
                 ),
             ));
         }
-        let step = source.component.bytes();
         Ok((0..count)
             .flat_map(|i| (0..width).map(move |j| i * stride + j * step))
-            .map(|at| source.component.read(&source.bytes[source.offset + at..]))
+            .map(|at| decoded(source.component, &source.bytes[source.offset + at..]))
             .collect())
     }
 
@@ -260,7 +239,7 @@ impl<'a> Accessors<'a> {
         if sparse.count > accessor.count {
             return Err(self.invalid(format!("{path}.count"), "more elements are replaced than there are"));
         }
-        let index_component = Component::from_code(sparse.indices.component_type)
+        let index_component = component_of_code(sparse.indices.component_type)
             .filter(|component| matches!(component, Component::U8 | Component::U16 | Component::U32))
             .ok_or_else(|| {
                 self.invalid(format!("{path}.indices.componentType"), "indices cannot be of this type")

@@ -2,7 +2,7 @@
 //! increase, and each has one value, or three for cubic splines.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::json::{self, Animation, Document, Node};
+use super::json::{self, Animation, Document};
 use super::pointers::{self, Property, Target};
 use super::report::Report;
 use super::{Channel, Interpolation, named};
@@ -117,7 +117,9 @@ impl ChannelReader<'_> {
         let mut a_time = 1;
         if property == Property::Weights {
             let node = &document.nodes[index];
-            a_time = targets_of(document, node);
+            let mesh = node.mesh.and_then(|mesh| document.meshes.get(mesh));
+            let primitive = mesh.and_then(|mesh| mesh.primitives.first());
+            a_time = primitive.map_or(0, |primitive| primitive.targets.len());
             if a_time == 0 {
                 let name = named(&node.name, "node", index);
                 report.not_honoured(Loss::MorphWeightsWithoutTargets, &name);
@@ -199,12 +201,6 @@ struct Sampled {
     times_s: Vec<f32>,
     interpolation: Interpolation,
     values: Vec<f64>,
-}
-
-/// Number of morph targets of a node's mesh.
-fn targets_of(document: &Document, node: &Node) -> usize {
-    let mesh = node.mesh.and_then(|mesh| document.meshes.get(mesh));
-    mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
 }
 
 /// Normalizes quaternions, except derivatives; fails with the index of one of length 0.

@@ -6,7 +6,7 @@ use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::Layer;
-use crate::diagnostic::{Diagnostic, Loss};
+use crate::diagnostic::Loss;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 // Integers are allowed by KHR_mesh_quantization; the core specification has floats.
@@ -41,7 +41,8 @@ impl Attributes<'_> {
     /// Unit normals, or none.
     pub(super) fn normals(&mut self) -> Vec<Vec3> {
         let Some(numbers) = self.numbers("NORMAL", NORMALS) else { return Vec::new() };
-        unit_vectors(&numbers).unwrap_or_else(|| {
+        let unit: Option<Vec<Vec3>> = vectors(&numbers).into_iter().map(Vec3::try_normalize).collect();
+        unit.unwrap_or_else(|| {
             self.report.not_honoured(Loss::NormalsWithoutLength, self.mesh);
             Vec::new()
         })
@@ -120,19 +121,8 @@ impl Attributes<'_> {
     /// Numbers of an attribute; `None` if it is missing or unreadable.
     fn numbers(&mut self, name: &str, wanted: Wanted) -> Option<Vec<f64>> {
         let index = *self.primitive.attributes.get(name)?;
-        let read = self.read(index, name, wanted);
+        let read = self.accessors.read_for(self.vertices, index, wanted, &self.user(name));
         self.report.spare(Loss::AttributeDamaged, read)
-    }
-
-    fn read(&self, index: usize, name: &str, wanted: Wanted) -> Result<Vec<f64>, Diagnostic> {
-        let user = self.user(name);
-        let count = self.accessors.count(index);
-        let numbers = self.accessors.read(index, wanted, &user)?;
-        if count != self.vertices {
-            let found = format!("there are {} positions and {count} of these", self.vertices);
-            return Err(self.accessors.invalid(user, found).expected("as many as there are positions"));
-        }
-        Ok(numbers)
     }
 
     fn user(&self, name: &str) -> String {
@@ -142,9 +132,4 @@ impl Attributes<'_> {
 
 pub(super) fn vectors(numbers: &[f64]) -> Vec<Vec3> {
     numbers.chunks_exact(3).map(|v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect()
-}
-
-/// Normalizes vectors; `None` if one has length 0.
-fn unit_vectors(numbers: &[f64]) -> Option<Vec<Vec3>> {
-    vectors(numbers).into_iter().map(|vector| vector.try_normalize()).collect()
 }

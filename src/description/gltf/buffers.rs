@@ -22,7 +22,7 @@ pub(super) struct Buffers<'a> {
     /// Decompressed views by index, or their errors.
     unpacked: BTreeMap<usize, Result<Vec<u8>, Diagnostic>>,
     /// Error of the first file that could not be read.
-    missing: Option<LoadError>,
+    pub(super) missing: Option<LoadError>,
 }
 
 /// Loads every buffer that a view refers to.
@@ -167,11 +167,6 @@ impl Buffers<'_> {
             None => self.range(view.buffer, view.byte_offset, view.byte_length, &path)?,
         };
         Ok((bytes, view.byte_stride))
-    }
-
-    /// Error of the first file with a buffer that could not be read.
-    pub(super) fn missing(self) -> Option<LoadError> {
-        self.missing
     }
 
     fn unpack(&self, packed: &json::MeshoptView, view: &str) -> Result<Vec<u8>, Diagnostic> {

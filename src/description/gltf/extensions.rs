@@ -17,7 +17,6 @@ enum Support {
     Refused(&'static str),
 }
 
-/// Supported extensions.
 const HONOURED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",

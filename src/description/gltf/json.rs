@@ -58,21 +58,18 @@ pub(super) struct Light {
     pub(super) name: Option<String>,
     #[serde(rename = "type")]
     pub(super) kind: String,
-    #[serde(default = "white")]
-    pub(super) color: [f64; 3],
-    #[serde(default = "one")]
-    pub(super) intensity: f64,
+    pub(super) color: Option<[f64; 3]>,
+    pub(super) intensity: Option<f64>,
     pub(super) range: Option<f64>,
-    pub(super) spot: Option<Spot>,
+    #[serde(default)]
+    pub(super) spot: Spot,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
 pub(super) struct Spot {
-    #[serde(default)]
     pub(super) inner_cone_angle: f64,
-    #[serde(default = "quarter_pi")]
-    pub(super) outer_cone_angle: f64,
+    pub(super) outer_cone_angle: Option<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -108,7 +105,7 @@ pub(super) struct NodeExtensions {
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub(super) instancing: Option<Instancing>,
     #[serde(rename = "KHR_node_visibility")]
-    pub(super) visibility: Option<Visibility>,
+    pub(super) visibility: Visibility,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -117,10 +114,10 @@ pub(super) struct Instancing {
     pub(super) attributes: BTreeMap<String, usize>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(super) struct Visibility {
-    #[serde(default = "shown")]
-    pub(super) visible: bool,
+    pub(super) visible: Option<bool>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -225,18 +222,6 @@ pub(super) struct AnimationSampler {
     pub(super) interpolation: Option<String>,
 }
 
-fn shown() -> bool {
-    true
-}
-fn white() -> [f64; 3] {
-    [1.0; 3]
-}
-fn one() -> f64 {
-    1.0
-}
-fn quarter_pi() -> f64 {
-    std::f64::consts::FRAC_PI_4
-}
 fn triangles() -> u32 {
     4
 }

@@ -71,8 +71,7 @@ pub(super) struct MeshoptView {
     pub(super) byte_stride: usize,
     pub(super) count: usize,
     pub(super) mode: String,
-    #[serde(default = "unfiltered")]
-    pub(super) filter: String,
+    pub(super) filter: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -80,8 +79,4 @@ pub(super) struct MeshoptView {
 pub(super) struct Buffer {
     pub(super) uri: Option<String>,
     pub(super) byte_length: usize,
-}
-
-fn unfiltered() -> String {
-    String::from("NONE")
 }

@@ -85,8 +85,7 @@ pub(super) struct TextureInfo {
     #[serde(default)]
     pub(super) tex_coord: usize,
     /// Scale of normal maps.
-    #[serde(default = "one")]
-    pub(super) scale: f64,
+    pub(super) scale: Option<f64>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }
@@ -98,15 +97,12 @@ pub(super) struct TextureInfoExtensions {
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
 pub(super) struct TextureTransform {
-    #[serde(default)]
     pub(super) offset: [f64; 2],
-    #[serde(default)]
     pub(super) rotation: f64,
-    #[serde(default = "unscaled")]
-    pub(super) scale: [f64; 2],
+    pub(super) scale: Option<[f64; 2]>,
     pub(super) tex_coord: Option<usize>,
 }
 
@@ -149,11 +145,4 @@ pub(super) struct Sampler {
     pub(super) wrap_s: Option<u32>,
     pub(super) wrap_t: Option<u32>,
     pub(super) mag_filter: Option<u32>,
-}
-
-fn one() -> f64 {
-    1.0
-}
-fn unscaled() -> [f64; 2] {
-    [1.0; 2]
 }

@@ -51,7 +51,7 @@ pub(super) fn read(
 }
 
 fn put(material: &mut Material, slot: &Slot, map: Option<TextureMap>) {
-    let bending = map.map(|map| (map, slot.info.scale));
+    let bending = map.map(|map| (map, slot.info.scale.unwrap_or(1.0)));
     match slot.purpose {
         Purpose::BaseColor => material.base_color_texture = map.map(|map| map.texture),
         Purpose::Clearcoat => material.clearcoat.texture = map,

@@ -29,8 +29,11 @@ pub(super) fn read(
         let mut primitives = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("meshes[{index}].primitives[{number}]");
-            report_unused(primitive, &name, report);
-            if !is_made_of_triangles(primitive.mode) {
+            if primitive.extensions.contains_key("KHR_materials_variants") {
+                report.not_honoured(Loss::MaterialVariants, &name);
+            }
+            // Points and lines; invalid modes are dropped later.
+            if primitive.mode <= 3 {
                 report.not_honoured(Loss::PointsAndLines, &name);
                 continue;
             }
@@ -51,17 +54,6 @@ pub(super) fn read(
         Mesh { name, primitives, weights }
     };
     document.meshes.iter().enumerate().map(convert).collect()
-}
-
-fn is_made_of_triangles(mode: u32) -> bool {
-    // 0 to 3 are points and lines; invalid modes are dropped later.
-    mode > 3
-}
-
-fn report_unused(primitive: &json::Primitive, mesh: &str, report: &mut Report) {
-    if primitive.extensions.contains_key("KHR_materials_variants") {
-        report.not_honoured(Loss::MaterialVariants, mesh);
-    }
 }
 
 fn read_primitive(
@@ -155,7 +147,6 @@ fn make_tangents(whole: &mut Primitive, uvs: &[Vec2]) -> bool {
     true
 }
 
-/// Reads the triangles of a primitive.
 fn read_triangles(
     primitive: &json::Primitive,
     vertices: usize,

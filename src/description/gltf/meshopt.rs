@@ -23,7 +23,8 @@ pub(super) fn unpack(view: &MeshoptView, source: &[u8]) -> Result<Vec<u8>, Strin
         ));
     };
     let mode = MeshoptMode::from_name(&view.mode).map_err(|error| error.to_string())?;
-    let filter = MeshoptFilter::from_name(&view.filter).map_err(|error| error.to_string())?;
+    let filter = view.filter.as_deref().unwrap_or("NONE");
+    let filter = MeshoptFilter::from_name(filter).map_err(|error| error.to_string())?;
     let mut bytes = vec![0; length];
     match decode_buffer_view(&mut bytes, source, mode, filter, view.count, view.byte_stride) {
         Ok(()) => Ok(bytes),

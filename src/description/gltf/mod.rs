@@ -3,7 +3,7 @@
 //! [`GltfScene::remarks`] lists what the file requests in vain.
 //!
 //! The `gltf` crate splits the container, or `container.rs` where the crate refuses chunks that readers have
-//! to ignore. The crate's JSON types and accessors are not used: they refuse Blender's animation pointers and
+//! to ignore. The crate's JSON and its readers are not used: they refuse Blender's animation pointers and
 //! panic on damaged files. So everything is validated here, before any value is read.
 
 mod accessor;
@@ -239,10 +239,6 @@ pub enum Interpolation {
 }
 
 impl GltfScene {
-    fn shown_meshes(&self) -> BTreeSet<usize> {
-        pictures::shown_nodes(self).into_iter().filter_map(|node| self.nodes[node].mesh).collect()
-    }
-
     /// Indices of the animations with a name, else of the one with that number, counted from 0.
     pub fn animations_called(&self, wanted: &str) -> Vec<usize> {
         let named =
@@ -308,7 +304,8 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     nodes::choose_scene(&document, &mut scene, &mut report);
     pictures::read(&mut scene, files, &mut report)?;
     grids::read(&mut scene, files, &mut report)?;
-    let shown = scene.shown_meshes();
+    let shown = pictures::shown_nodes(&scene).into_iter().filter_map(|node| scene.nodes[node].mesh);
+    let shown: BTreeSet<usize> = shown.collect();
     (scene.materials, scene.textures) =
         materials::read(&document, &shown, Textures::new(&document, &buffers, path, files), &mut report);
     if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
@@ -316,7 +313,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
     {
         // A file whose only meshes are missing would give an empty picture.
-        if let Some(missing) = buffers.missing() {
+        if let Some(missing) = buffers.missing {
             return Err(missing);
         }
         report.push(report.first_damage(Loss::BufferUnreadable).cloned().unwrap_or(damage));

@@ -32,12 +32,7 @@ pub(super) fn targets(
         let differences = |name: &str| -> Result<Vec<Vec3>, Diagnostic> {
             let Some(&index) = attributes.get(name) else { return Ok(Vec::new()) };
             let user = format!("{path}.targets[{number}].{name}");
-            let differences = vectors(&accessors.read(index, DIFFERENCES, &user)?);
-            if differences.len() == vertices {
-                return Ok(differences);
-            }
-            let found = format!("there are {vertices} positions and {} of these", differences.len());
-            Err(accessors.invalid(user, found).expected("as many as there are positions"))
+            Ok(vectors(&accessors.read_for(vertices, index, DIFFERENCES, &user)?))
         };
         targets.push(MorphTarget {
             positions: differences("POSITION")?,

@@ -8,7 +8,7 @@ use crate::description::ron::FIELDS_OF_VIEW_DEG;
 use crate::diagnostic::Loss;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::collections::BTreeSet;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::ops::RangeInclusive;
 
 /// Tolerance of a quaternion's length; Blender's are accurate to 1e-7.
@@ -54,7 +54,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
         weights: None,
         instances: None,
         instance_colors: Vec::new(),
-        visible: node.extensions.visibility.as_ref().is_none_or(|visibility| visibility.visible),
+        visible: node.extensions.visibility.visible.unwrap_or(true),
         camera,
         light,
         extras: node.extras.clone(),
@@ -238,13 +238,13 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
     let mut convert = |(index, light): (usize, &json::Light)| {
         let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
         let name = named(&light.name, "light", index);
-        let color = DVec3::from(light.color);
-        if color.min_element() < 0.0 {
-            let found = format!("the colour is {:?}", light.color);
+        let (color, intensity) = (light.color.unwrap_or([1.0; 3]), light.intensity.unwrap_or(1.0));
+        if DVec3::from(color).min_element() < 0.0 {
+            let found = format!("the colour is {color:?}");
             report.put_right(Loss::ValueOutOfRange, &format!("{path}.color"), found);
         }
-        if light.intensity < 0.0 {
-            let found = format!("the intensity is {}", light.intensity);
+        if intensity < 0.0 {
+            let found = format!("the intensity is {intensity}");
             report.put_right(Loss::ValueOutOfRange, &format!("{path}.intensity"), found);
         }
         let kind = light_kind(light, &name, report).unwrap_or_else(|(field, found)| {
@@ -252,8 +252,8 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
             nodes.iter_mut().for_each(|node| node.light = node.light.filter(|&light| light != index));
             LightKind::Point
         });
-        let intensity = light.intensity.max(0.0);
-        Light { name, color: color.max(DVec3::ZERO), intensity, range_m: light.range, kind }
+        let color = DVec3::from(color).max(DVec3::ZERO);
+        Light { name, color, intensity: intensity.max(0.0), range_m: light.range, kind }
     };
     document.extensions.lights_punctual.lights.iter().enumerate().map(&mut convert).collect()
 }
@@ -265,13 +265,13 @@ fn light_kind(
     name: &str,
     report: &mut Report,
 ) -> Result<LightKind, (&'static str, String)> {
-    let (inner, outer) = match (light.kind.as_str(), &light.spot) {
-        ("directional", _) => return Ok(LightKind::Directional),
-        ("point", _) => return Ok(LightKind::Point),
-        ("spot", None) => (0.0, PI / 4.0),
-        ("spot", Some(spot)) => (spot.inner_cone_angle, spot.outer_cone_angle),
-        (other, _) => return Err(("type", format!("`{other}` is no kind of light"))),
-    };
+    match light.kind.as_str() {
+        "directional" => return Ok(LightKind::Directional),
+        "point" => return Ok(LightKind::Point),
+        "spot" => {}
+        other => return Err(("type", format!("`{other}` is no kind of light"))),
+    }
+    let (inner, outer) = (light.spot.inner_cone_angle, light.spot.outer_cone_angle.unwrap_or(FRAC_PI_4));
     if outer <= 0.0 {
         return Err(("spot.outerConeAngle", format!("the cone's outer angle is {outer}")));
     }

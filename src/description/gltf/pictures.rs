@@ -15,7 +15,11 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
     scene.sky_image = of_sky(scene, "image", files, report)?;
     scene.backdrop_image = of_sky(scene, "backdrop/image", files, report)?;
     let mut on_suns = BTreeMap::new();
-    for index in shown_suns(scene) {
+    let is_sun = |light: usize| matches!(scene.lights[light].kind, LightKind::Directional);
+    for index in shown_nodes(scene) {
+        if !scene.nodes[index].light.is_some_and(is_sun) {
+            continue;
+        }
         let named = scene.nodes[index].extras.get("sunfleck_light").and_then(|light| light.get("image"));
         let Some(uri) = named.and_then(|name| name.as_str()) else { continue };
         if on_suns.contains_key(uri) {
@@ -46,12 +50,6 @@ fn of_sky(
     let place = format!("scenes[{}].extras.sunfleck_env.{}", scene.scene, field.replace('/', "."));
     let bytes = bytes_of(scene, uri, &place, files)?;
     Ok(decoded(bytes, &place, Encoding::Radiance, report))
-}
-
-fn shown_suns(scene: &GltfScene) -> impl Iterator<Item = usize> {
-    let is_sun = |light: usize| matches!(scene.lights[light].kind, LightKind::Directional);
-    let nodes = shown_nodes(scene).into_iter();
-    nodes.filter(move |&index| scene.nodes[index].light.is_some_and(is_sun))
 }
 
 pub(super) fn shown_nodes(scene: &GltfScene) -> Vec<usize> {

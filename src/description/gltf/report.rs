@@ -54,7 +54,6 @@ impl Report {
         self.add(loss, format!("{path}: {found}"), None);
     }
 
-    /// Diagnostic of the first loss of a kind.
     pub(super) fn first_damage(&self, loss: Loss) -> Option<&Diagnostic> {
         self.kinds.iter().find(|kind| kind.loss == loss)?.first.as_ref()
     }
@@ -68,7 +67,6 @@ impl Report {
         Place::File(self.file.clone())
     }
 
-    /// Place in this file.
     pub(crate) fn at(&self, path: impl Into<String>) -> Place {
         field(&self.file, path)
     }

@@ -90,14 +90,8 @@ pub(super) fn influences(
             let found = "there are joints without weights";
             return Err(accessors.invalid(user("JOINTS"), found).expected(format!("WEIGHTS_{set}")));
         };
-        let joints = accessors.read(joints, JOINTS, &user("JOINTS"))?;
-        let weights = accessors.read(weights, WEIGHTS, &user("WEIGHTS"))?;
-        for (numbers, name) in [(&joints, "JOINTS"), (&weights, "WEIGHTS")] {
-            if numbers.len() != 4 * vertices {
-                let found = format!("there are {vertices} positions and {} of these", numbers.len() / 4);
-                return Err(accessors.invalid(user(name), found).expected("as many as there are positions"));
-            }
-        }
+        let joints = accessors.read_for(vertices, joints, JOINTS, &user("JOINTS"))?;
+        let weights = accessors.read_for(vertices, weights, WEIGHTS, &user("WEIGHTS"))?;
         is_uneven |= weights.iter().any(|&weight| weight < 0.0);
         sets.push((joints, weights.into_iter().map(|weight| weight.max(0.0)).collect::<Vec<_>>()));
     }

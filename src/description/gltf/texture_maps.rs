@@ -119,7 +119,6 @@ pub(super) fn layers(slots: &[Slot]) -> Vec<Layer> {
     layers
 }
 
-/// Layer of one texture.
 pub(super) fn layer(info: &TextureInfo) -> Layer {
     match &info.extensions.transform {
         Some(transform) => (transform.tex_coord.unwrap_or(info.tex_coord), uv_transform(transform)),
@@ -130,7 +129,8 @@ pub(super) fn layer(info: &TextureInfo) -> Layer {
 /// Matrix that scales, then rotates, then translates. The rotation is counter-clockwise on the screen, with v
 /// down (KHR_texture_transform, "Overview").
 fn uv_transform(transform: &TextureTransform) -> DAffine2 {
-    let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(DVec2::from(transform.scale));
+    let scale = transform.scale.map_or(DVec2::ONE, DVec2::from);
+    let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(scale);
     DAffine2::from_mat2_translation(linear, DVec2::from(transform.offset))
 }
 

@@ -133,7 +133,6 @@ impl<'a> Textures<'a> {
         Ok(source)
     }
 
-    /// Bytes of an image at `place`.
     fn bytes(&mut self, image: &json::Image, place: &str) -> Result<Cow<'a, [u8]>, Diagnostic> {
         match (&image.buffer_view, &image.uri) {
             (Some(view), _) => {

@@ -114,21 +114,19 @@ pub(super) fn faces(
                 }
                 material = found.unwrap_or(usize::MAX);
             }
-            "s" => smoothing = smoothing_group(statement.numbers().next().unwrap_or("off")),
+            // 0 is none, and "on" is 1.
+            "s" => {
+                smoothing = match statement.numbers().next() {
+                    None | Some("off") => 0,
+                    Some(word) => word.parse().unwrap_or(1),
+                }
+            }
             "o" | "g" | "mtllib" => {}
             "l" | "p" => tally.add_at(Loss::PointsAndLines, statement.keyword(), at),
             other => tally.add_at(Loss::ObjStatement, other, at),
         }
     }
     groups
-}
-
-/// Number of a smoothing group; 0 is none, and "on" is 1.
-fn smoothing_group(word: &str) -> u32 {
-    match word {
-        "off" => 0,
-        word => word.parse().unwrap_or(1),
-    }
 }
 
 /// Corners of a face, each with the indices of its vertex, texture coordinate and normal, from 1.

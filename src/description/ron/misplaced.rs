@@ -123,7 +123,6 @@ fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnost
     })
 }
 
-/// Text from an error on.
 fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
     text[offset(text, error)..].trim_start()
 }

@@ -8,7 +8,6 @@ use ::ron::Options;
 use ::ron::error::{Error, SpannedError};
 use ::ron::extensions::Extensions;
 use serde::Deserialize;
-use std::ops::Range;
 use std::path::Path;
 
 /// Kind of a file.
@@ -20,7 +19,11 @@ pub(super) enum Document {
 
 /// Parses the bytes of the file at `path`.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
-    let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(path, bytes, error.valid_up_to()))?;
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        Diagnostic::error(place_of(path, bytes, error.valid_up_to()), "this is not text in UTF-8")
+            .expected("a RON file in UTF-8")
+            .remedy("save the file as UTF-8")
+    })?;
     // Editors may write a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
@@ -34,23 +37,11 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
         .from_str(text)
         .map_err(|error| diagnostic(path, text, &error))?;
-    match misplaced::misnamed_keys(text) {
-        Some(name) => Err(misnamed(path, text, name)),
-        None => Ok(document),
-    }
-}
-
-fn misnamed(path: &Path, text: &str, name: Range<usize>) -> Diagnostic {
+    let Some(name) = misplaced::misnamed_keys(text) else { return Ok(document) };
     let place = place_of(path, text.as_bytes(), name.start);
-    Diagnostic::error(place, format!("there is no `{}`", &text[name]))
+    Err(Diagnostic::error(place, format!("there is no `{}`", &text[name]))
         .expected("`Keyed(keys: [(at_s: .., value: ..), ..])`")
-        .remedy("call it `Keyed`")
-}
-
-fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
-    Diagnostic::error(place_of(path, bytes, valid_up_to), "this is not text in UTF-8")
-        .expected("a RON file in UTF-8")
-        .remedy("save the file as UTF-8")
+        .remedy("call it `Keyed`"))
 }
 
 fn place_of(path: &Path, bytes: &[u8], offset: usize) -> Place {

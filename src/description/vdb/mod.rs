@@ -11,6 +11,7 @@ mod tree;
 
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Place};
+use crate::math::{bounds, corners};
 use bytes::{Bytes, Fault, Number, Read};
 use glam::{DAffine3, DVec3};
 use std::path::Path;
@@ -158,12 +159,8 @@ impl Floats {
             (low, high) = (low.min(origin - 0.5), high.max(origin + (f64::from(edge) - 0.5)));
             (least, most) = (least.min(value), most.max(value));
         }
-        let corners = (0..8).map(|corner| {
-            let at = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
-            self.transform.transform_point3(DVec3::new(at(0), at(1), at(2)))
-        });
-        let about = |[low, high]: [DVec3; 2], corner| [low.min(corner), high.max(corner)];
-        let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], about);
+        let corners = corners((low, high)).map(|corner| self.transform.transform_point3(corner));
+        let bounds = bounds(corners).into();
         (voxels > 0).then(|| Extent { voxels, bounds, least, most, mean: sum / voxels as f64 })
     }
 

@@ -36,7 +36,6 @@ enum Carried {
     Color(Track<Rgb>),
 }
 
-/// Range of a field.
 struct Range {
     admits: fn(f64) -> bool,
     expected: &'static str,

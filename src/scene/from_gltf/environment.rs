@@ -74,7 +74,6 @@ pub(super) fn surroundings(
     (background, sky, backdrop.flatten())
 }
 
-/// Background or sky of an environment.
 fn sky_of(
     found: &Environment,
     image: Option<DecodedImage>,

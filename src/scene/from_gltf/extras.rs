@@ -237,7 +237,6 @@ impl Builder<'_> {
         }
     }
 
-    /// Keeps the properties for `inspect`.
     pub(super) fn keep_properties(&mut self) {
         let owners = self.owners().into_iter();
         let owners = owners.map(|(kind, name, extras)| (format!("{kind} `{name}`"), extras));

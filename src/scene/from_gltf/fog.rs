@@ -9,7 +9,6 @@ use crate::scene::{Fog, FogShape, HeightFalloff, Motion, NodeIndex, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
 impl Builder<'_> {
-    /// Adds the fog of the scene and of nodes.
     pub(super) fn add_fogs(&mut self, of_scene: Option<extras::Fog>) {
         for (index, node) in self.source.nodes.iter().enumerate() {
             let Some(number) = self.node_numbers[index] else { continue };

@@ -39,8 +39,10 @@ impl Builder<'_> {
                 })),
             }
         }
-        for (material, _) in self.source.materials.iter().zip(material_used).filter(|(_, used)| *used) {
-            self.report_material(material);
+        for (material, used) in self.source.materials.iter().zip(material_used) {
+            if used && !material.double_sided {
+                self.report.not_honoured(Loss::BackfaceCulling, &material.name);
+            }
         }
         let leaf_ids = self.leaf_ids(&shown.iter().map(|&(node, ..)| node).collect::<Vec<_>>());
         for ((index, node, source, color), leaf_id) in shown.into_iter().zip(leaf_ids) {

@@ -40,7 +40,6 @@ struct Builder<'a> {
     report: Report,
     /// Index in the scene of each of the file's nodes; `None` for nodes outside.
     node_numbers: Vec<Option<usize>>,
-    /// Channels of animated properties.
     channels: BTreeMap<(Property, usize), &'a Channel>,
     /// Images on suns, by their names in the file.
     sun_images: BTreeMap<String, Arc<Texture>>,

@@ -133,9 +133,10 @@ impl<'a> Builder<'a> {
         index: usize,
         converted: impl Fn(&gltf::Material) -> MaterialNumbers,
     ) -> Option<Track<MaterialNumbers>> {
+        let four = |value: &[f64]| std::array::from_fn(|index| value.get(index).copied().unwrap_or_default());
         let channels = Property::OF_MATERIALS.map(|property| {
             let channel = self.property(property, index)?;
-            Some((property, self.mapped(channel, channel_value)?))
+            Some((property, self.mapped(channel, four)?))
         });
         let courses: Vec<Course> = channels.iter().flatten().map(|(_, track)| Course::of(track)).collect();
         let at = |time_s: f64| {
@@ -182,9 +183,4 @@ impl<'a> Builder<'a> {
         };
         (outer_track, blend_track)
     }
-}
-
-/// Up to four numbers of a value.
-fn channel_value(value: &[f64]) -> [f64; 4] {
-    std::array::from_fn(|index| value.get(index).copied().unwrap_or_default())
 }

@@ -30,7 +30,10 @@ impl Builder<'_> {
                 let times_s = material.changes.iter().flat_map(|changes| changes.times_s().into_owned());
                 self.check_shares(index, times_s.map(|time_s| material.at(time_s)).chain([material.clone()]));
             }
-            self.report_changes(index, source);
+            let fades = self.is_animated(&[Property::BaseColor], index);
+            if fades && matches!(source.alpha_mode, gltf::AlphaMode::Mask(_)) {
+                self.report.not_honoured(Loss::AnimatedMask, &source.name);
+            }
             if extras.is_some_and(|extras| extras.encoded_filtering) {
                 let emission = material.emission_texture.map(|map| map.texture);
                 for texture in material.base_color_texture.into_iter().chain(emission) {
@@ -63,14 +66,6 @@ impl Builder<'_> {
         is_valid.then_some(leaf)
     }
 
-    /// Reports lost changes of a material.
-    fn report_changes(&mut self, index: usize, source: &gltf::Material) {
-        let fades = self.is_animated(&[Property::BaseColor], index);
-        if fades && matches!(source.alpha_mode, gltf::AlphaMode::Mask(_)) {
-            self.report.not_honoured(Loss::AnimatedMask, &source.name);
-        }
-    }
-
     /// Material of a primitive; the default one if it has none.
     pub(super) fn material_of(&mut self, material: Option<usize>) -> MaterialIndex {
         material.unwrap_or_else(|| {
@@ -80,13 +75,6 @@ impl Builder<'_> {
             }
             default
         })
-    }
-
-    /// Reports properties of materials that are not honoured.
-    pub(super) fn report_material(&mut self, material: &gltf::Material) {
-        if !material.double_sided {
-            self.report.not_honoured(Loss::BackfaceCulling, &material.name);
-        }
     }
 }
 
@@ -103,10 +91,6 @@ fn become_leaf(material: &mut Material, source: &gltf::Material, leaf: &Leaf) {
     material.base_color = (1.0 - share) * Rgb::new(r, g, b);
     material.metal_color = Some(Rgb::new(r, g, b));
     (material.mirror, material.painted) = (Rgb::ZERO, Painted::BaseColor);
-}
-
-fn is_mirror(material: &gltf::Material) -> bool {
-    material.metallic == 1.0 && material.roughness == 0.0 && material.metallic_roughness_texture.is_none()
 }
 
 /// Material at one moment; `keeps_coat` if its metallic factor or roughness changes.
@@ -138,7 +122,10 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
             ..matte
         };
     }
-    if is_mirror(material) && !keeps_coat {
+    let is_mirror = material.metallic == 1.0
+        && material.roughness == 0.0
+        && material.metallic_roughness_texture.is_none();
+    if is_mirror && !keeps_coat {
         return Material { base_color: Rgb::ZERO, mirror: color, painted: Painted::Mirror, ..matte };
     }
     let is_shiny =
