@@ -28,7 +28,6 @@ impl Block {
         block
     }
 
-    /// The corners of the triangle in `lane`.
     #[inline(always)]
     pub(super) fn corners(&self, lane: usize) -> [DVec3; 3] {
         self.vertices

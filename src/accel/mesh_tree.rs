@@ -13,7 +13,6 @@ use glam::{DVec3, Vec3};
 pub struct MeshTree {
     pub(super) tree: WideTree,
     pub(super) blocks: Vec<Block>,
-    /// Centre of its bounds.
     pub(super) centre: DVec3,
 }
 

@@ -102,7 +102,6 @@ pub(super) struct WideTree {
     pub(super) nodes: Vec<Node>,
     /// First child to visit; `None` if there is no primitive.
     pub(super) root: Option<u32>,
-    /// Bounds of all primitives.
     pub(super) bounds: Bounds,
     /// Bounds of the root's children.
     pub(super) top_boxes: Vec<Bounds>,

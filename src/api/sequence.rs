@@ -31,7 +31,6 @@ impl Iterator for Sequence<'_> {
 
 impl ExactSizeIterator for Sequence<'_> {}
 
-/// Renders a frame of a plan.
 pub(super) fn rendered(plan: &Plan, frame: i64, watch: &Watch) -> Result<Frame, RenderError> {
     let rendered = plan.render(&plan.exposure(frame), watch);
     if (watch.cancelled)() {

@@ -6,10 +6,11 @@ use crate::render::{self, Job, Watch, render};
 use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::MarchSteps;
+use clap::ValueEnum;
 use cpu_time::ProcessTime;
 
 /// A way to make the picture; the baselines come first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Method {
     /// Every pixel against every triangle at every step of the image plane: where this renderer came from.
     Literal,
@@ -40,9 +41,6 @@ pub struct Effort {
     /// samples.
     pub tolerance: Option<f64>,
 }
-
-/// Maximum number of samples a pixel with a tolerance, as in `render`.
-const MOST_SAMPLES: u32 = 1024;
 
 impl Effort {
     /// Effort of so many samples in every pixel, without further parameters.
@@ -87,18 +85,9 @@ impl<'a> Stage<'a> {
 }
 
 impl Method {
-    /// Name for tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Literal => "literal",
-            Self::March => "march",
-            Self::MarchJittered => "march-jittered",
-            Self::Equiangular => "equiangular",
-            Self::Segments => "segments",
-            Self::Slices => "slices",
-            Self::SlicesUntil => "slices-until",
-            Self::Paths => "paths",
-        }
+    /// Name on the command line and in tables.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// Whether it can render so many bounces: steps along the image plane have single scattering alone, and
@@ -133,7 +122,7 @@ impl Method {
             Self::SlicesUntil => (1..10)
                 .map(|n| Effort {
                     tolerance: Some(0.5_f64.powi(n)),
-                    ..Effort::of_samples(most_samples.min(MOST_SAMPLES))
+                    ..Effort::of_samples(most_samples.min(Sampling::MOST))
                 })
                 .collect(),
         }

@@ -303,7 +303,6 @@ pub(super) fn number(value: f64) -> String {
     text
 }
 
-/// Escapes text for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

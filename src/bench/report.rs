@@ -46,7 +46,7 @@ impl Study {
 
     /// Names and fronts of all methods and peers with several errors.
     fn fronts(&self) -> Vec<(String, Vec<(f64, f64)>)> {
-        let own = self.methods().map(|method| (method.name().to_owned(), front(&self.usable(method))));
+        let own = self.methods().map(|method| (method.name(), front(&self.usable(method))));
         let renderers = self.renderers();
         let peers = renderers.iter().map(|name| ((*name).to_owned(), front(&self.peer_points(name))));
         own.chain(peers).collect()
@@ -55,9 +55,8 @@ impl Study {
 
 /// Number of samples a pixel, or the tolerance.
 fn told_samples(effort: &Effort) -> String {
-    effort
-        .tolerance
-        .map_or_else(|| effort.samples.to_string(), |tolerance| format!("{:.2} %", 100.0 * tolerance))
+    let percent = |tolerance| format!("{:.2} %", 100.0 * tolerance);
+    effort.tolerance.map_or_else(|| effort.samples.to_string(), percent)
 }
 
 /// Note on a point's accuracy.
@@ -119,7 +118,7 @@ pub fn table(study: &Study) -> String {
 
 fn costs(study: &Study) -> String {
     let fronts = study.fronts();
-    let march = fronts.iter().find(|(name, _)| name == Method::March.name()).map(|(_, front)| front);
+    let march = fronts.iter().find(|(name, _)| *name == Method::March.name()).map(|(_, front)| front);
     let levels = |text: &mut String, told: &dyn Fn(f64) -> String| {
         for level in LEVELS {
             let _ = write!(text, " {:>9}", told(level));
@@ -134,7 +133,7 @@ fn costs(study: &Study) -> String {
     for (name, own) in &fronts {
         let cost = |level| match cost_of(own, level) {
             // The whole front is extrapolated from a part of the picture.
-            Cost::AtMost(time) | Cost::Measured(time) if name == Method::Literal.name() => {
+            Cost::AtMost(time) | Cost::Measured(time) if *name == Method::Literal.name() => {
                 Cost::Extrapolated(time)
             }
             cost => cost,
@@ -186,7 +185,7 @@ pub fn csv(study: &Study) -> String {
     for point in &study.points {
         let steps = point.effort.steps.map_or(String::new(), |steps| steps.to_string());
         row([
-            point.method.name(),
+            &point.method.name(),
             &point.effort.samples.to_string(),
             &steps,
             &point.effort.tolerance.map_or(String::new(), |tolerance| tolerance.to_string()),
@@ -244,10 +243,12 @@ pub fn plot(study: &Study) -> Plot {
         let best = front(&all);
         let aside = all.into_iter().filter(|point| !best.contains(point)).collect();
         let (name, style) = match method {
-            Method::Literal => ("every triangle, every step (extrapolated)", Style::Hollow(looks(method))),
+            Method::Literal => {
+                ("every triangle, every step (extrapolated)".into(), Style::Hollow(looks(method)))
+            }
             _ => (method.name(), Style::Line(looks(method))),
         };
-        Series { name: name.into(), style, points: percent(best), aside: percent(aside) }
+        Series { name, style, points: percent(best), aside: percent(aside) }
     });
     let renderers = study.renderers();
     let peers = renderers.iter().enumerate().map(|(index, name)| Series {

@@ -131,11 +131,6 @@ impl Columns {
         (Self { across, side_m, areas_m2 }, by_chance)
     }
 
-    fn of_cell(&self, node: usize, axis: usize) -> &[f32] {
-        let count = self.across * self.across;
-        &self.areas_m2[(3 * node + axis) * count..][..count]
-    }
-
     /// Share of light that columns stop, along each axis, and the mean optical depth of their leaves. A clump
     /// may be longer than a cell, so columns extend into the next cells. Leaves flat on the ground are no
     /// clump: seen from the side they have hardly any area.
@@ -147,7 +142,8 @@ impl Columns {
             let before = (cell[axis] > 0).then(|| node - strides[axis]);
             let behind = (cell[axis] + 1 < grid.size[axis]).then(|| node + strides[axis]);
             let cells = [before, Some(node), behind].into_iter().flatten();
-            let cells: Vec<&[f32]> = cells.map(|cell| self.of_cell(cell, axis)).collect();
+            let cells: Vec<&[f32]> =
+                cells.map(|cell| &self.areas_m2[(3 * cell + axis) * count..][..count]).collect();
             if cells.iter().all(|cell| cell.iter().all(|area_m2| *area_m2 == 0.0)) {
                 continue;
             }

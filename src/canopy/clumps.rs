@@ -7,9 +7,8 @@ use crate::color::Rgb;
 use crate::ordinates::grid::Grid;
 use glam::DVec3;
 
-/// Clumps of a grid.
 pub(crate) struct Clumps {
-    clumping: Clumping,
+    pub(crate) clumping: Clumping,
     /// Irradiance that leaves of a clump give each other by first-scattered light, W/m^2 by node.
     given: Vec<[f32; 3]>,
 }
@@ -17,7 +16,6 @@ pub(crate) struct Clumps {
 /// The clump around a leaf.
 #[derive(Clone, Copy)]
 pub(crate) struct Clump {
-    /// Clumping index.
     index: f64,
     /// Irradiance that its leaves give each other by first-scattered light, W/m^2.
     given: Rgb,
@@ -41,10 +39,6 @@ impl Clumps {
         let share = |(node, share): (usize, f64)| share * Rgb::from_array(self.given[node].map(f64::from));
         let corners = grid.corners(world);
         Clump { index: self.clumping.about(&corners), given: corners.iter().map(share).sum() }
-    }
-
-    pub(crate) fn clumping(&self) -> &Clumping {
-        &self.clumping
     }
 
     /// Clump of one leaf, as a bent leaf is a clump by itself. Its side scatters the first light `unmet`, W,

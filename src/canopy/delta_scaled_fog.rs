@@ -83,7 +83,6 @@ impl<'a> DeltaScaledFog<'a> {
         self.medium.emits()
     }
 
-    /// Coefficients at a point.
     pub(crate) fn at(&self, point: DVec3) -> FogCoefficients {
         let (_, of_degrees) = self.medium.coefficients_at::<FIRST_DEGREES>(point);
         let peak =

@@ -32,7 +32,6 @@ const AWAY: f64 = 0.8;
 
 /// Collisions of a group of rays.
 struct Left {
-    /// Fluence in fog.
     fluence: Fluence,
     /// Sources from leaves that scatter it.
     scattered: NodeMoments,
@@ -48,11 +47,9 @@ pub(crate) struct Found {
     pub(crate) sources: Moments,
     /// Sources of suns in fog, in degrees beyond the harmonics.
     pub(crate) beams: Vec<BeamSource>,
-    /// Forward peak of each sun.
     pub(crate) forward_peaks: Vec<ForwardPeak>,
     /// Power that collides again with leaves of the same clump, W m^-3 by node.
     pub(crate) met_again: Vec<[f32; 3]>,
-    /// Power that each leaf receives.
     pub(crate) on_leaves: LeafPower,
 }
 

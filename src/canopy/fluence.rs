@@ -11,7 +11,6 @@ use glam::DVec3;
 /// the sun's own light does.
 #[derive(Clone, Copy)]
 pub(crate) struct Peak {
-    /// Direction of travel.
     pub(crate) travel: DVec3,
     /// Irradiance on a plane at right angles, W/m^2.
     pub(crate) irradiance: Rgb,

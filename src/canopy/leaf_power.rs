@@ -42,7 +42,6 @@ impl LeafPower {
         sums.for_each(|(sum, value)| *sum += value);
     }
 
-    /// Power on one leaf.
     pub(crate) fn of(&self, number: usize) -> [Rgb; 2] {
         self.0[number].map(|power| Rgb::from_array(power.map(f64::from)))
     }

@@ -55,7 +55,6 @@ pub(crate) struct Alone<'a> {
     pub(crate) nodes: [[Corners; 2]; 2],
     /// Weights of the steps between them; the receiving side comes first.
     near: [[[f32; NEAR]; 3]; 2],
-    /// Extinction at the leaf.
     extinction: NodeExtinction<'a>,
     /// Clumping index, and the irradiance in its clump relative to a single leaf's.
     index: f64,
@@ -230,7 +229,6 @@ impl SelfInteraction {
     }
 }
 
-/// Irradiance on a side.
 fn irradiance(leaf: &Leaf, side: usize, [moments, fourth]: &[Moments; 2]) -> Rgb {
     let facing = if side == 0 { leaf.normal } else { -leaf.normal };
     let of_fourth = fourth_basis(-facing).map(|value| COSINE_LOBE_4 * value);

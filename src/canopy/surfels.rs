@@ -16,7 +16,6 @@ pub(crate) struct Surfel {
     pub(crate) area: f64,
     /// Share of light that the part itself does not shade: half for a ball, half of which is turned away.
     pub(crate) exposed: f32,
-    /// Index of its optics.
     pub(crate) optics: u32,
 }
 

@@ -235,7 +235,6 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Finds the means of some parts.
     fn find_means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>)
     where
         'a: 'p,
@@ -278,7 +277,6 @@ impl<'a> Surroundings<'a> {
         mean.mean()
     }
 
-    /// Optics of each piece of a part.
     fn optics_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = SurfaceOptics> {
         leaf.part.places.iter().map(|place| {
             let Some(primitive) = self.mesh(leaf).primitive(place.triangle) else {

@@ -5,7 +5,7 @@ use super::arguments::BenchArguments;
 use super::error::usage;
 use super::parse::SizeArgument;
 use super::plan::resized;
-use super::saving::clear;
+use super::saving::{clear, failure};
 use super::threads::pool;
 use super::{CliError, answer, loading, tell};
 use clap::ValueEnum;
@@ -92,7 +92,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         [output(arguments.csv.as_deref(), subject, "csv"), output(arguments.svg.as_deref(), subject, "svg")]
     {
         // Checked before minutes of measuring.
-        create_folder(&path)?;
+        std::fs::create_dir_all(frame_file::folder_of(&path)).map_err(|error| cannot_write(&path, error))?;
     }
     let many = pool(arguments.threads)?;
     let one = pool(Some(1))?;
@@ -165,8 +165,7 @@ fn rendered_reference(arguments: &BenchArguments, stage: &Stage) -> Reference {
 }
 
 fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) -> Result<Reference, CliError> {
-    let FrameFile { frame, attributes, .. } =
-        frame_file::read(path).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
+    let FrameFile { frame, attributes, .. } = frame_file::read(path).map_err(failure)?;
     let Size { width, height } = subject.size;
     let whole = frame.full == subject.size && frame.window == scene::Window::whole(subject.size);
     let colored = ["R", "G", "B"].iter().all(|name| frame.channel(name).is_some());
@@ -193,11 +192,6 @@ fn output(asked: Option<&Path>, subject: &Subject, extension: &str) -> PathBuf {
         || Path::new("out/bench").join(format!("{}.{extension}", subject.settings.name)),
         Path::to_owned,
     )
-}
-
-fn create_folder(path: &Path) -> Result<(), CliError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|error| cannot_write(path, error))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {

@@ -11,7 +11,6 @@ const SCENE: u8 = 3;
 pub(super) const INPUT_OUTPUT: u8 = 4;
 const FRAME: u8 = 5;
 
-/// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CliError {
     /// A value on the command line cannot be used (exit code 2).
@@ -65,7 +64,7 @@ impl From<Diagnostics> for CliError {
 impl From<RenderError> for CliError {
     fn from(error: RenderError) -> Self {
         match error {
-            RenderError::Setting { setting, found, expected } => usage(flag(setting), found, &expected),
+            RenderError::Setting { setting, found, expected } => usage(&flag(setting), found, &expected),
             RenderError::Defective(_) => Self::Frame(error.diagnostic().to_string()),
             RenderError::Write(error) => Self::InputOutput(error.diagnostic().to_string()),
             RenderError::Export(error) => Self::Scene(Diagnostics(vec![*error])),
@@ -74,16 +73,11 @@ impl From<RenderError> for CliError {
     }
 }
 
-fn flag(setting: Setting) -> &'static str {
+fn flag(setting: Setting) -> String {
     match setting {
-        Setting::Camera => "--camera",
-        Setting::Frame => "--frames",
-        Setting::Size => "--size",
-        Setting::Crop => "--crop",
-        Setting::Samples => "--samples",
-        Setting::Tolerance => "--tolerance",
-        Setting::Shutter => "--shutter",
-        _ => "--volume-steps",
+        Setting::Frame => String::from("--frames"),
+        Setting::Method => String::from("--volume-steps"),
+        setting => format!("--{setting}"),
     }
 }
 

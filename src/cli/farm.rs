@@ -98,7 +98,12 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
         arguments.frame_seconds.unwrap_or_else(|| job::frame_seconds(pixels, picture.sampling, threads));
     match arguments.chunk {
         ChunkArgument::Frames(frames) => job.chunk = frames,
-        ChunkArgument::Auto => choose_chunk(&mut job, arguments, frame_s, load_seconds(&task)?, read_bytes),
+        ChunkArgument::Auto => {
+            // The time of a task to load the scene is measured here, with baked falls.
+            let began = Instant::now();
+            plan::load(&task)?;
+            choose_chunk(&mut job, arguments, frame_s, began.elapsed().as_secs_f64(), read_bytes);
+        }
     }
     job.minutes = job::minutes(job.chunk, frame_s);
     job.memory_mib = job::memory_mib(plan.picture.job.memory_bytes() as u64, read_bytes);
@@ -131,13 +136,6 @@ fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: 
         100.0 * choice.starting,
         100.0 * choice.waiting,
     ));
-}
-
-/// Estimated time for a task to load the scene, measured here with baked falls.
-fn load_seconds(task: &RenderArguments) -> Result<f64, CliError> {
-    let began = Instant::now();
-    plan::load(task)?;
-    Ok(began.elapsed().as_secs_f64())
 }
 
 /// Arguments of the tasks for all frames, with falls baked where the farm finds them. Flags that the job

@@ -113,7 +113,6 @@ fn new_bar() -> ProgressBar {
     }
 }
 
-/// Cache folder of this user.
 fn user_folder() -> Option<PathBuf> {
     let variable = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let caches = if cfg!(windows) {

@@ -141,7 +141,6 @@ pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
     if is_limit { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
 }
 
-/// Share from 0 to 1.
 pub(super) fn parse_share_limit(text: &str) -> Result<ChannelsLimit, String> {
     let (channels, number) = channels_and_number(text)?;
     let expected = "expected a share from 0 to 1, or channels and one, such as leaf_id.*=0.01";

@@ -4,6 +4,7 @@
 use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
 use super::parse::{Crop, SizeArgument};
+use super::saving::failure;
 use super::{CliError, loading};
 use std::borrow::Cow;
 use std::fmt;
@@ -43,10 +44,10 @@ impl<'scene> Plan<'scene> {
         let picture = renderer(scene, arguments)?.plan()?;
         arguments.scene.check(&picture.remarks)?;
         let frames = find_frames(arguments.frames.as_deref(), &picture.settings)?;
-        let output = find_output(arguments.out.as_deref(), &picture.settings.name, &frames)?;
+        let output = parse_output(arguments.out.as_deref(), &picture.settings.name)?;
+        output.check(frames.as_slice().len()).map_err(CliError::Usage)?;
         if let Some(last) = frames.as_slice().last().filter(|_| !arguments.dry_run) {
-            frame_file::check_name(&output.path(*last))
-                .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
+            frame_file::check_name(&output.path(*last)).map_err(failure)?;
         }
         let plan = Self { picture, frames, output };
         loading::check_not_read("--out", plan.written(arguments), scene.files())?;
@@ -134,18 +135,12 @@ fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
     }
     // The name of the input is not yet known.
     let folder = arguments.out.as_ref().map_or(Path::new("out"), |_| pattern.folder());
-    frame_file::check_folder(folder).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))
+    frame_file::check_folder(folder).map_err(failure)
 }
 
 fn parse_output(out: Option<&Path>, name: &str) -> Result<OutputPattern, CliError> {
     let Some(out) = out else { return Ok(OutputPattern::default_for(name)) };
     OutputPattern::parse(out, name).map_err(CliError::Usage)
-}
-
-fn find_output(out: Option<&Path>, name: &str, frames: &FrameList) -> Result<OutputPattern, CliError> {
-    let pattern = parse_output(out, name)?;
-    pattern.check(frames.as_slice().len()).map_err(CliError::Usage)?;
-    Ok(pattern)
 }
 
 pub(super) fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {

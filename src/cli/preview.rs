@@ -28,10 +28,16 @@ use sunfleck::sequence::{FrameList, OutputPattern};
 const MOST_ON_SHEET: usize = 64;
 
 enum Source<'a> {
-    /// Scene to draw.
-    Scene { input: &'a Path, plan: Box<Plan<'a>> },
+    Scene {
+        input: &'a Path,
+        plan: Box<Plan<'a>>,
+    },
     /// Frames to read.
-    Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: Doubts },
+    Files {
+        files: BTreeMap<i64, PathBuf>,
+        size: Option<SizeArgument>,
+        doubts: Doubts,
+    },
 }
 
 #[derive(Default)]
@@ -253,9 +259,7 @@ impl Outputs {
         }
         Ok(Self { pictures: Some(pictures), sheet: None, animation: None })
     }
-}
 
-impl Outputs {
     fn paths(&self, frames: &[i64]) -> impl Iterator<Item = PathBuf> {
         let pictures =
             self.pictures.iter().flat_map(|pattern| frames.iter().map(|&frame| pattern.path(frame)));

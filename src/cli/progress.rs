@@ -31,10 +31,11 @@ pub(super) struct Progress {
     /// Bar with the remaining time, for terminals.
     bar: Option<ProgressBar>,
     state: Mutex<State>,
+    out: Mutex<Box<dyn Write + Send>>,
 }
 
+#[derive(Default)]
 struct State {
-    out: Box<dyn Write + Send>,
     frames: usize,
     skipped: usize,
     /// Number of frames begun, those in progress included.
@@ -70,7 +71,7 @@ impl Progress {
                 Err(_) => bar,
             }
         });
-        Self { style, bar, state: Mutex::new(State::new(out)) }
+        Self { style, bar, state: Mutex::default(), out: Mutex::new(out) }
     }
 
     /// Reports an event. Any thread may call it.
@@ -82,22 +83,20 @@ impl Progress {
             ProgressArgument::Auto => self.draw(&mut state, event),
             ProgressArgument::Plain => {
                 if let Some(line) = state.sentence(event) {
-                    state.line(&line);
+                    self.line(&line);
                 }
             }
             ProgressArgument::Jsonl => {
                 if !matches!(event, Event::FrameProgress { .. }) || state.percent_is_new() {
-                    let line = as_json(event).to_string();
-                    state.line(&line);
+                    self.line(&as_json(event).to_string());
                 }
             }
             ProgressArgument::Openjd => {
                 if state.percent_is_new() {
-                    let line = format!("openjd_progress: {}", state.percent());
-                    state.line(&line);
+                    self.line(&format!("openjd_progress: {}", state.percent()));
                 }
                 if let Some(sentence) = state.sentence(event) {
-                    state.line(&format!("openjd_status: {sentence}"));
+                    self.line(&format!("openjd_status: {sentence}"));
                 }
             }
             ProgressArgument::None => {}
@@ -125,10 +124,16 @@ impl Progress {
             Event::Finished(_) => {
                 bar.finish_and_clear();
                 if let Some(line) = state.sentence(event) {
-                    state.line(&line);
+                    self.line(&line);
                 }
             }
         }
+    }
+
+    fn line(&self, line: &str) {
+        let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
+        // A closed pipe is ignored; the frames are written all the same.
+        let _ = writeln!(out, "{line}").and_then(|()| out.flush());
     }
 }
 
@@ -142,21 +147,6 @@ impl Drop for Progress {
 }
 
 impl State {
-    fn new(out: Box<dyn Write + Send>) -> Self {
-        Self {
-            out,
-            frames: 0,
-            skipped: 0,
-            begun: 0,
-            in_progress: BTreeMap::new(),
-            given_up: 0,
-            written: 0,
-            most_noise: None,
-            first_begun: None,
-            percent_told: None,
-        }
-    }
-
     fn count(&mut self, event: &Event) {
         match event {
             Event::Started { frames } => self.frames = *frames,
@@ -250,11 +240,6 @@ impl State {
             Event::Started { .. } | Event::FrameStarted { .. } | Event::FrameProgress { .. } => return None,
         })
     }
-
-    fn line(&mut self, line: &str) {
-        // A closed pipe is ignored; the frames are written all the same.
-        let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
-    }
 }
 
 /// Path as text; bytes that are not valid text are escaped, as JSON cannot hold them.
@@ -329,7 +314,6 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Duration for people.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("{seconds:.0} s")

@@ -177,7 +177,13 @@ impl Run<'_> {
                 let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
                 live.show(&name, plan.picture.rough(&exposure, &watch));
             }
-            let stage = |stage, took| self.stats.took(frame, stage_key(stage), took);
+            let stage = |stage, took| {
+                let key = match stage {
+                    Stage::IndirectLight => "indirect_seconds",
+                    Stage::Walks => "walks_seconds",
+                };
+                self.stats.took(frame, key, took);
+            };
             let watch = Watch { progress, cancelled: &cancelled, look, stage: &stage };
             let rendered = plan.picture.render(&exposure, &watch);
             self.stats.took(frame, "snapshot_seconds", exposure.took());
@@ -190,14 +196,6 @@ impl Run<'_> {
             return Err(Halt::Signal);
         }
         Ok(if is_late.into_inner() { None } else { Some(rendered) })
-    }
-}
-
-/// Key of a stage's time in a frame's statistics.
-fn stage_key(stage: Stage) -> &'static str {
-    match stage {
-        Stage::IndirectLight => "indirect_seconds",
-        Stage::Walks => "walks_seconds",
     }
 }
 

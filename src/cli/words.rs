@@ -105,7 +105,6 @@ pub(super) enum PreviewArgument {
     Png,
 }
 
-/// Passes of a list of arguments.
 pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
     let mut passes = Vec::new();
     for argument in arguments {

@@ -41,7 +41,6 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// Threads of a worker.
     pub(super) fn pool(&self, worker: usize) -> &ThreadPool {
         self.pools.get().and_then(|pools| pools.get(worker)).unwrap_or(self.all)
     }

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 pub struct Texels {
     stored: Stored,
     /// Whether interpolation of 8-bit texels mixes codes, and not light.
-    mixes_codes: bool,
+    pub(crate) mixes_codes: bool,
 }
 
 /// Texels, four numbers each.
@@ -52,11 +52,6 @@ impl Texels {
     /// `kernel/svm/image.h` decodes after interpolation).
     pub fn mix_codes(&mut self) {
         self.mixes_codes = matches!(self.stored, Stored::Bytes { .. });
-    }
-
-    /// Whether interpolation mixes codes.
-    pub fn mixes_codes(&self) -> bool {
-        self.mixes_codes
     }
 
     /// Bilinear interpolation of four texels, row by row, at a fraction of the way from the first to the

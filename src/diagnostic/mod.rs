@@ -116,9 +116,7 @@ impl Diagnostic {
         self.remedy = Some(remedy.into().into_boxed_str());
         self
     }
-}
 
-impl Diagnostic {
     /// Place and finding, in one line.
     pub fn line(&self) -> String {
         let mut line = self.place.to_string();
@@ -196,9 +194,7 @@ impl Diagnostics {
     pub fn has_errors(&self) -> bool {
         self.0.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
-}
 
-impl Diagnostics {
     /// Diagnostics that rendering shows, worst last: assumptions and losses.
     pub fn told(&self) -> impl Iterator<Item = &Diagnostic> {
         self.0.iter().filter(|diagnostic| matches!(diagnostic.severity, Severity::Choice | Severity::Warning))

@@ -23,7 +23,6 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 
 impl Binary {
-    /// Adds a view of bytes.
     pub(super) fn view(&mut self, bytes: impl IntoIterator<Item = u8>, target: Option<Target>) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(bytes);

@@ -128,7 +128,8 @@ impl Writer<'_> {
 
     /// Index of a skin, which instances with the same joints share.
     fn skin(&mut self, skin: &Skin) -> usize {
-        let key: JointKey = skin.joints.iter().map(joint_key).collect();
+        let bits = |joint: &Joint| joint.joint_from_rest.to_cols_array().map(f64::to_bits);
+        let key: JointKey = skin.joints.iter().map(|joint| (joint.node, bits(joint))).collect();
         if let Some(number) = self.skin_numbers.get(&key) {
             return *number;
         }
@@ -144,10 +145,6 @@ impl Writer<'_> {
 
 /// Key that tells skins apart: nodes, and the bits of their matrices.
 pub(super) type JointKey = Vec<(NodeIndex, [u64; 12])>;
-
-fn joint_key(joint: &Joint) -> (NodeIndex, [u64; 12]) {
-    (joint.node, joint.joint_from_rest.to_cols_array().map(f64::to_bits))
-}
 
 /// Whether a track is linear or constant between its keys, so that keys and the moments before jumps describe
 /// it.

@@ -95,7 +95,6 @@ fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, D
     })
 }
 
-/// Fields of a lamp's traits.
 fn fields_of(traits: LampTraits) -> impl Iterator<Item = (&'static str, Value)> {
     let LampTraits { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors } = traits;
     let named = [

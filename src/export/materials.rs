@@ -110,7 +110,7 @@ impl Writer<'_> {
             ours["bump_map_correction"] = json!(true);
         }
         let textures = [material.base_color_texture, material.emission_texture.map(|map| map.texture)];
-        if textures.into_iter().flatten().any(|texture| self.scene.textures[texture].texels.mixes_codes()) {
+        if textures.into_iter().flatten().any(|texture| self.scene.textures[texture].texels.mixes_codes) {
             ours["encoded_filtering"] = json!(true);
         }
         if let (Some(metal), Some(_)) = (material.metal_color, material.coat) {

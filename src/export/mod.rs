@@ -41,7 +41,6 @@ pub struct Exported {
 /// Writer of a file under construction.
 struct Writer<'a> {
     scene: &'a Scene,
-    /// Folder of the file.
     folder: &'a Path,
     /// Moments at which motion without keys of its own is sampled, seconds, increasing, none negative.
     moments: keys::Moments,

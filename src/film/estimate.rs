@@ -50,9 +50,7 @@ impl Film {
         });
         (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + hues.missing(all)) / all, variance })
     }
-}
 
-impl Film {
     /// Estimates of the pixels with samples in a part of the picture, from that part alone. `completion` is
     /// the factor on variances for halves that complete one another.
     pub fn estimates(&self, part: Window, completion: f64) -> Vec<((usize, usize), PixelEstimate)> {

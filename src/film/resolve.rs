@@ -114,7 +114,6 @@ impl Film {
     }
 }
 
-/// Names and precisions of the channels of passes.
 fn names(passes: &[Pass]) -> impl Iterator<Item = (&'static str, Precision)> {
     let rows = passes.iter().map(|&pass| pass.row());
     rows.flat_map(|row| row.channels.iter().map(move |&name| (name, row.precision)))

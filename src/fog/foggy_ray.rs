@@ -30,7 +30,6 @@ impl Medium {
 }
 
 impl FoggyRay<'_> {
-    /// Cells of a bank by its number.
     pub(super) fn cells(&self, bank: usize) -> Option<&VoxelCells> {
         self.cells.get(bank)?.as_ref()
     }

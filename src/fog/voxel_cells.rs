@@ -12,7 +12,6 @@ pub(super) struct VoxelCells(Vec<Cell>);
 struct Cell {
     start: f64,
     end: f64,
-    /// Density from `start` on.
     density: Cubic,
     /// Metres at maximum density in all cells before.
     metres_before: f64,

@@ -122,7 +122,6 @@ impl VoxelFog {
             && suns(self) == suns(other)
     }
 
-    /// Relative density at a point.
     pub(super) fn density(&self, point: DVec3) -> f64 {
         self.grid.voxels.at(self.voxel_from_relative.transform_point3(point)) / self.grid.voxels.most()
     }

@@ -21,7 +21,6 @@ const THINNEST: f64 = 1.0 / 64.0;
 pub(super) struct VoxelStretch<'a> {
     stretch: &'a Stretch<'a>,
     cos: f64,
-    /// Banks of voxels on the ray.
     inside: Vec<Bank<'a>>,
     /// Banks of voxels between the ray and the sun.
     to_sun: Vec<ToSun<'a>>,
@@ -61,7 +60,6 @@ impl Others {
     }
 }
 
-/// A bank of voxels along the stretch.
 struct Bank<'a> {
     cells: &'a VoxelCells,
     sigma_t: Rgb,

@@ -4,7 +4,6 @@
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
-/// Name of the attribute.
 pub(super) const NAME: &str = "sunfleck:fileHash";
 /// Placeholder for the digits while the hash is computed.
 pub(super) const PLACEHOLDER: &str = "0000000000000000000000000000000000000000000000000000000000000000";

@@ -56,11 +56,9 @@ pub(super) struct Contents<'a> {
 /// Light of lamps and suns at its first collision.
 pub(super) struct FirstLight {
     pub(super) source: FirstCollisionSource,
-    /// Forward peak of each sun.
     pub(super) forward_peaks: Vec<ForwardPeak>,
     /// Power that collides again with leaves of the same clump, W m^-3 by node.
     pub(super) met_again: Vec<[f32; 3]>,
-    /// Power that each leaf receives.
     pub(super) on_leaves: LeafPower,
 }
 

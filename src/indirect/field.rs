@@ -18,8 +18,8 @@ use glam::DVec3;
 
 /// Grids, the innermost first, and the layers around them.
 pub(super) struct Field {
-    levels: Vec<Level>,
-    layers: Option<Layers>,
+    pub(super) levels: Vec<Level>,
+    pub(super) layers: Option<Layers>,
 }
 
 /// The finest part of a field that has a place: a grid or the layers.
@@ -136,15 +136,5 @@ impl Field {
     /// Whether its orders hardly grow darker, so that the series was cut short.
     pub(super) fn is_endless(&self) -> bool {
         self.levels.iter().any(Level::is_endless)
-    }
-
-    /// Grids, the innermost first.
-    pub(super) fn levels(&self) -> &[Level] {
-        &self.levels
-    }
-
-    /// The layers around all grids, if there are any.
-    pub(super) fn layers(&self) -> Option<&Layers> {
-        self.layers.as_ref()
     }
 }

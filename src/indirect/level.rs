@@ -192,7 +192,7 @@ impl Level {
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
             CutGrid { grid: &self.grid, occluders: &self.walls.occluders },
-            (&self.extinction, self.clumps.clumping()),
+            (&self.extinction, &self.clumps.clumping),
             (leaf, unmet),
         );
         let clump = self.clumps.at(&self.grid, leaf.position);
@@ -253,7 +253,7 @@ impl Level {
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
         let corners = self.corners_seen_from(world);
-        let mut moments = self.moments_in_fog(&corners);
+        let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light).mean(&corners);
         if let Some(glow) = &self.of_glow {
             let added = glow.light.mean(&corners);
             let sums = moments.as_flattened_mut().iter_mut();
@@ -287,11 +287,6 @@ impl Level {
     /// Corners of a place in world space without those that walls hide.
     fn corners_seen_from(&self, world: DVec3) -> Corners {
         self.walls.occluders.corners(&self.grid, world, world)
-    }
-
-    /// Moments of the light in fog.
-    fn moments_in_fog(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
-        self.light_in_fog.as_ref().unwrap_or(&self.light).mean(corners)
     }
 
     /// Whether a wall stands between two places in world space that are less than a cell apart.

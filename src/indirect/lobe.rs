@@ -10,7 +10,6 @@ use std::f64::consts::PI;
 /// Directions from which a surface gathers light, and their weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lobe {
-    /// Axis of the lobe.
     axis: DVec3,
     /// Factor of each degree.
     shares: [f64; 5],
@@ -22,7 +21,6 @@ pub(super) struct Lobe {
 /// by the irradiance on the surface's back.
 #[derive(Clone, Copy, Debug)]
 struct Beneath {
-    /// Normal of the surface.
     normal: DVec3,
     /// Share of uniform light from there that the lobe gathers, in units of that irradiance.
     share: f64,

@@ -78,7 +78,7 @@ impl Indirect {
 
     /// Side of the finest cells, metres; infinite where there are none.
     pub fn cell_m(&self) -> f64 {
-        self.solved.field.levels().first().map_or(f64::INFINITY, Level::cell_m)
+        self.solved.field.levels.first().map_or(f64::INFINITY, Level::cell_m)
     }
 
     /// Whether hardly anything absorbs it, so that the series of orders was cut short and is too dark.

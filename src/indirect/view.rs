@@ -115,19 +115,19 @@ impl Depths {
     fn of(field: &Field, snapshot: &Snapshot) -> Self {
         let eye = snapshot.view.eye;
         let about_eye = |(low, high): (DVec3, DVec3)| (low - eye, high - eye);
-        let outermost_m = field.levels().last().map_or(0.0, |level| farthest_m(about_eye(level.volume())));
-        let all_m = field.layers().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
-        let (start_m, end_m, step_m) = match field.levels().first() {
+        let outermost_m = field.levels.last().map_or(0.0, |level| farthest_m(about_eye(level.volume())));
+        let all_m = field.layers.as_ref().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
+        let (start_m, end_m, step_m) = match field.levels.first() {
             Some(level) => {
                 let (low, high) = about_eye(level.volume());
                 (low.max(-high).max(DVec3::ZERO).length(), farthest_m((low, high)), level.cell_m())
             }
             None => {
-                let scale_m = field.layers().map_or(1.0, Layers::scale_m);
+                let scale_m = field.layers.as_ref().map_or(1.0, Layers::scale_m);
                 (0.0, 2.0 * scale_m, 0.125 * scale_m)
             }
         };
-        let is_more = field.levels().len() > 1 || field.layers().is_some();
+        let is_more = field.levels.len() > 1 || field.layers.as_ref().is_some();
         let first_m = start_m.min(FIRST_CELLS * step_m);
         let steps = |from: f64, to: f64| if is_more && to > from { FAR_STEPS } else { 0 };
         let (before, far) = (steps(first_m, start_m), steps(end_m, all_m));
@@ -310,10 +310,10 @@ impl<'a> Walk<'a> {
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let origin = snapshot.world_from_relative(ray.origin);
     let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));
-    let outermost_m = field.levels().last().map_or(0.0, |level| to_end(level.volume()));
-    let distance = if field.layers().is_some() { distance } else { distance.min(outermost_m) };
+    let outermost_m = field.levels.last().map_or(0.0, |level| to_end(level.volume()));
+    let distance = if field.layers.as_ref().is_some() { distance } else { distance.min(outermost_m) };
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
-    let is_even = field.layers().is_none();
+    let is_even = field.layers.as_ref().is_none();
     let mut walk = Walk::new(field, snapshot, *ray);
     for step in 1..=steps {
         let share = f64::from(step) / f64::from(steps);

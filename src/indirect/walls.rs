@@ -61,7 +61,6 @@ struct Building<'a> {
     patches: Vec<Patch>,
     /// A triangle of each patch.
     primitives: Vec<PrimitiveId>,
-    /// Mean optics of each patch.
     means: Vec<MeanOptics>,
     patch_of: HashMap<PatchKey, u32>,
     /// Lowest nodes of cells, with triangles near them.

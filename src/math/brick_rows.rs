@@ -79,7 +79,6 @@ impl BrickRows {
         self.values[place]
     }
 
-    /// All numbers of a brick.
     pub(super) fn brick(&self, brick: u32) -> [f32; BRICK] {
         let mut values = [0.0; BRICK];
         for (along, values) in values.chunks_exact_mut(ROW).enumerate() {
@@ -93,7 +92,6 @@ impl BrickRows {
         self.values.iter().copied().fold(0.0, f32::max)
     }
 
-    /// Memory, in bytes.
     pub(super) fn memory(&self) -> usize {
         size_of_val(&*self.values) + size_of_val(&*self.bricks)
     }

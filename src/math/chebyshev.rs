@@ -24,7 +24,6 @@ pub struct Antiderivative {
     pieces: Vec<Piece>,
 }
 
-/// A polynomial on one piece.
 #[derive(Clone, Debug)]
 struct Piece {
     start: f64,

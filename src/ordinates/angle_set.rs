@@ -21,7 +21,6 @@ use glam::DVec3;
 use std::mem::take;
 use std::sync::Arc;
 
-/// Sources of a sweep.
 #[derive(Clone, Copy)]
 pub(crate) struct SweepSource<'a> {
     /// Emission density of the medium, per metre and steradian.
@@ -109,7 +108,6 @@ struct Cut<'a> {
 }
 
 impl<'a> AngleSet<'a> {
-    /// Angle sets of an axis, by channel.
     pub(super) fn of_axis(
         &Domain { grid, cross_sections, walls }: &Domain<'a>,
         layout: Layout,

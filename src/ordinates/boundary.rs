@@ -13,7 +13,6 @@ use super::quadrature::Quadrature;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Boundary condition of a grid.
 #[derive(Clone, Copy)]
 pub(crate) enum BoundaryCondition<'a> {
     Vacuum,

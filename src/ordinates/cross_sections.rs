@@ -64,7 +64,6 @@ impl Extinction {
         Self { isotropic, oriented_at: vec![NONE; nodes], oriented: Vec::new() }
     }
 
-    /// Extinction at a node.
     pub(crate) fn at(&self, node: usize) -> NodeExtinction<'_> {
         let isotropic = [0, 1, 2].map(|channel: usize| self.isotropic[channel][node]);
         NodeExtinction { isotropic, oriented: self.oriented.get(self.oriented_at[node] as usize) }
@@ -186,7 +185,6 @@ impl CrossSections {
         }
     }
 
-    /// Nodes with oriented scatterers.
     pub(crate) fn oriented_nodes(&self) -> impl Iterator<Item = usize> {
         self.oriented.iter().map(|scattering| scattering.node)
     }

@@ -8,7 +8,6 @@ use std::f64::consts::PI;
 /// Coefficients up to l = 2.
 pub(crate) const COUNT: usize = 9;
 
-/// The degree of each coefficient.
 pub(crate) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 
 /// Clamped cosine by degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
@@ -16,7 +15,6 @@ pub(crate) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 pub(crate) const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 pub(crate) const COSINE_LOBE_4: f64 = -PI / 24.0;
 
-/// All basis functions of a direction.
 pub(crate) fn basis(direction: DVec3) -> [f64; COUNT] {
     const Y0: f64 = 0.282_094_791_773_878_14;
     const Y1: f64 = 0.488_602_511_902_919_9;

@@ -24,7 +24,6 @@ pub(crate) const SEEN_DEGREES: usize = DEGREES.end;
 /// Sums by channel, harmonic and node.
 pub(crate) type HighSums = [[Vec<f32>; HIGH]; 3];
 
-/// The basis functions of a direction.
 pub(crate) fn high_basis(direction: DVec3) -> [f64; HIGH] {
     let all = harmonic_basis(direction);
     std::array::from_fn(|index| all[DEGREES.start * DEGREES.start + index])

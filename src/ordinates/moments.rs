@@ -45,7 +45,6 @@ impl Moments {
         &mut self.values[start..start + COUNT * self.nodes]
     }
 
-    /// All harmonics of one node.
     pub(crate) fn at(&self, channel: usize, node: usize) -> [f32; COUNT] {
         std::array::from_fn(|index| self.values[(channel * COUNT + index) * self.nodes + node])
     }

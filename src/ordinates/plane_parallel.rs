@@ -166,7 +166,6 @@ fn formal(depth: f64) -> Formal {
     Formal { through, near, far: lost - near }
 }
 
-/// Solver of one channel.
 struct Solver<'a> {
     stack: &'a Stack,
     boundaries: &'a Boundaries<'a>,

@@ -26,7 +26,6 @@ const FEWEST_ITERATIONS: u32 = 3;
 const MOST_ACCELERATED: usize = 64;
 const LEFT: f64 = 5e-4;
 
-/// A fixed-source problem.
 pub(crate) struct Problem<'a> {
     pub(crate) domain: Domain<'a>,
     /// Ordinates of all orders; and finer ones for the first order and for incident radiance, where these

@@ -40,7 +40,6 @@ pub(crate) struct Seen {
 }
 
 impl CutNode {
-    /// A node with all links open.
     pub(crate) fn open(node: usize) -> Self {
         Self { node, seen: [Seen { at: 1.0, patch: NO_PATCH }; LINKS] }
     }
@@ -70,12 +69,10 @@ impl CutNode {
         f64::from(self.seen[link].at) > at
     }
 
-    /// Cuts a link.
     pub(crate) fn cut(&mut self, link: usize, seen: Seen) {
         self.seen[link] = seen;
     }
 
-    /// Links that are cut.
     pub(crate) fn cut_links(&self) -> impl Iterator<Item = &Seen> {
         self.seen.iter().filter(|seen| seen.patch != NO_PATCH)
     }
@@ -128,7 +125,6 @@ impl Walls {
         Self { nodes, patches, faces, occluders: Occluders::new(grid, about_cell) }
     }
 
-    /// Nodes with cut links.
     pub(crate) fn nodes(&self) -> &[CutNode] {
         &self.nodes
     }

@@ -80,7 +80,7 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
         FrozenLight::Point { position, .. } => position.length() <= light.radius_m(),
     };
     let lights = &exposure.middle().lights;
-    if exposure.middle().view.is_orthographic() {
+    if exposure.middle().view.is_orthographic {
         Some(Reason::Orthographic)
     } else if lights.is_empty() {
         Some(Reason::NoLight)

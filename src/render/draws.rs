@@ -43,7 +43,6 @@ impl Draw<'_, '_> {
 }
 
 impl<'a, 'scene> Draws<'a, 'scene> {
-    /// The draws for a light.
     pub(super) fn new(exposure: &'a Exposure<'scene>, light: usize, seed: u32) -> Self {
         Self { exposure, light, seed }
     }

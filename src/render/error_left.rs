@@ -48,7 +48,6 @@ pub(super) struct Left {
     /// Sums of such products near each cell, and their number.
     products: Map<f64>,
     pairs: Map<f64>,
-    /// Variances of these sums.
     variances: Map<f64>,
     /// Square of the noise of the correction, in means over surroundings. That of a half is twice as large.
     noise: Map<f64>,

@@ -51,9 +51,7 @@ const TOLD: f64 = 2.0;
 
 /// Estimate of indirect light's error.
 pub(super) struct GridError {
-    /// Correction of the picture.
     pub(super) correction: Correction,
-    /// Squares of the error that is left.
     squares: Map<f64>,
     /// Root mean square of the reported error, as a share of the picture's mean.
     pub(super) relative: f64,

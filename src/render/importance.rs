@@ -15,7 +15,6 @@ const EVEN: f64 = 0.5;
 /// Density of probes by cell, with mean 1.
 pub(super) struct Importance {
     density: Map<f64>,
-    /// Sums of its rows.
     rows: Vec<f64>,
 }
 

@@ -57,7 +57,7 @@ pub(super) struct Differing {
 pub(super) struct Lattice {
     /// Fan of the middle draw.
     base: Fan,
-    layout: Layout,
+    pub(super) layout: Layout,
     rings: Vec<RingLattice>,
     /// Number of places after which the strata of draws recur; `None` without strata.
     period: Option<usize>,
@@ -134,11 +134,6 @@ impl Lattice {
         Self { base, layout, rings, period, per_row, deviation_rad }
     }
 
-    /// Layout of the draws.
-    pub(super) fn layout(&self) -> Layout {
-        self.layout
-    }
-
     /// The slices of a round that may cross pixels of `seen`.
     pub(super) fn of_round(&self, round: &Round, seen: &Mask) -> RoundLattice<'_> {
         let Self { base, deviation_rad, .. } = self;
@@ -202,7 +197,6 @@ impl RingLattice {
     }
 }
 
-/// The slices of one round.
 pub(super) struct RoundLattice<'a> {
     lattice: &'a Lattice,
     places: Places,

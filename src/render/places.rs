@@ -32,7 +32,6 @@ pub(super) fn per_row(schedule: Schedule) -> usize {
 }
 
 impl Places {
-    /// Places of a round.
     pub(super) fn of_round(round: &Round) -> Self {
         let per_row = per_row(round.schedule);
         if round.is_first() {

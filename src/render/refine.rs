@@ -46,7 +46,6 @@ pub(super) struct Refined {
     pub(super) rounds: u32,
 }
 
-/// Goal for a block.
 pub(super) struct Goal<'a> {
     /// Maximum standard error of a block relative to its brightness, of all components together.
     pub(super) tolerance: f64,
@@ -210,19 +209,15 @@ impl<'a, P: Picture> Refinement<'a, P> {
                 continue;
             }
             self.variances[block] = judgement.blocks[block].variance;
+            let pixels = self.blocks.pixels(block);
             self.goes_on[block] = !judgement.decides
-                || self.is_in_window(block)
+                || self.window_blocks.index(pixels.x, pixels.y).is_some()
                     && if judgement.is_first {
                         self.neighbourhood_exceeds(block, judgement)
                     } else {
                         judgement.excess[block] > 1.0
                     };
         }
-    }
-
-    fn is_in_window(&self, block: usize) -> bool {
-        let pixels = self.blocks.pixels(block);
-        self.window_blocks.index(pixels.x, pixels.y).is_some()
     }
 
     fn neighbourhood_exceeds(&self, block: usize, judgement: &Judgement) -> bool {
@@ -305,7 +300,6 @@ impl Goal<'_> {
         }
     }
 
-    /// Maximum variance of a block.
     fn variance(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         let Budget { share, share_so_far, before } = self.budget;
         // Errors of independent components add in squares.

@@ -76,7 +76,14 @@ impl RingFacts<'_> {
     /// slices deviate too far to keep any place, or lie too close.
     pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
         let extent = base.extent();
-        let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { near_epipole_rad(base) };
+        let about_axis_rad = match self.is_drawn {
+            true => 2.0 * self.deviation_rad,
+            // Within this angle slices that share a fan lie close together.
+            false => {
+                let greatest_px = base.separation(Ring::WHOLE).greatest_px;
+                (NEAR_EPIPOLE * greatest_px / base.px_per_rad()).min(1.0).asin()
+            }
+        };
         let (low, high) = (about_axis_rad, PI - about_axis_rad);
         let (from, to) = (extent.0.max(low), extent.1.min(high));
         let mut borders = Vec::new();
@@ -125,12 +132,6 @@ impl RingFacts<'_> {
         let rotated_rad = self.deviation_rad * 0.5 * (to - from) / (0.5 * (from + to)).sin();
         rotated_rad * base.px_per_rad() * self.slices_per_px
     }
-}
-
-/// Angle from the axis within which slices that share a fan lie close together.
-fn near_epipole_rad(base: &Fan) -> f64 {
-    let greatest_px = base.separation(Ring::WHOLE).greatest_px;
-    (NEAR_EPIPOLE * greatest_px / base.px_per_rad()).min(1.0).asin()
 }
 
 #[cfg(test)]

@@ -126,7 +126,6 @@ pub(super) trait Picture {
     /// chance.
     fn fewest_samples(&self) -> u32;
 
-    /// Adds the samples of a round.
     fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch);
 
     /// Traces a ray for every pixel without a sample.

@@ -99,7 +99,6 @@ impl Shares<'_> {
 pub(super) struct PlacedPiece {
     /// The sample's number.
     sample: u32,
-    /// Weight of its chord.
     weight: f64,
     pixel: (usize, usize),
     film_px: DVec2,

@@ -86,7 +86,7 @@ impl<'a, 'scene> LightPicture<'a, 'scene> {
     }
 
     fn draws_in_strata(&self) -> bool {
-        self.lattice.as_ref().is_some_and(|lattice| lattice.layout() == Layout::InStrata)
+        self.lattice.as_ref().is_some_and(|lattice| lattice.layout == Layout::InStrata)
     }
 
     /// Solves a slice and stores its samples.
@@ -171,7 +171,7 @@ impl Picture for LightPicture<'_, '_> {
         let are_ordered = self
             .lattice
             .as_ref()
-            .is_some_and(|lattice| matches!(lattice.layout(), Layout::Common | Layout::InRings));
+            .is_some_and(|lattice| matches!(lattice.layout, Layout::Common | Layout::InRings));
         if are_ordered && self.exposure.is_instant() { ORDERED } else { DRAWN }
     }
 

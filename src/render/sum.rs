@@ -90,9 +90,7 @@ impl Sum {
         statistics.grid_error = grid.map(|grid| grid.relative);
         Rendered { frame, statistics: self.statistics }
     }
-}
 
-impl Sum {
     /// Noise of some blocks; a block of unknown variance errs by all of its light.
     fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
         let block = |block: usize| {

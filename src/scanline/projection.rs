@@ -44,7 +44,7 @@ impl Projection {
         let (low, high) = (middle - half, middle + half);
         Self {
             camera_from_relative: DMat3::from_cols(right, up, forward).transpose(),
-            is_orthographic: view.is_orthographic(),
+            is_orthographic: view.is_orthographic,
             half,
             middle,
             size: DVec2::new(size.width as f64, size.height as f64),

@@ -98,7 +98,6 @@ impl<'a> Shader<'a> {
         self.alpha_of_fog(at, f64::INFINITY)
     }
 
-    /// Alpha of the fog up to a distance.
     fn alpha_of_fog(&self, at: DVec2, distance: f64) -> f64 {
         let ray = self.ray(at);
         let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);

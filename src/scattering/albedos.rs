@@ -25,7 +25,6 @@ const AROUND: usize = 20;
 /// Has no divisor in common with `AROUND`.
 const STRIDE: usize = 7;
 
-/// Albedos of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoatAlbedos {
     shadowing: Shadowing,
@@ -107,7 +106,6 @@ type Table = [OnceLock<Box<Row>>; LAST_ROW + 1];
 static SEPARABLE: Table = [const { OnceLock::new() }; LAST_ROW + 1];
 static CORRELATED: Table = [const { OnceLock::new() }; LAST_ROW + 1];
 
-/// Albedos of the roughness of one row.
 struct Row {
     directional: [Entry; LAST_COLUMN + 1],
     /// Mean over all directions, by their cosine.
@@ -126,10 +124,6 @@ fn row_of(roughness: f64) -> f64 {
     LAST_ROW as f64 * (1.0 - roughness.ln() / LEAST_ROUGHNESS.ln())
 }
 
-fn roughness_of(row: usize) -> f64 {
-    LEAST_ROUGHNESS.powf(1.0 - row as f64 / LAST_ROW as f64)
-}
-
 fn columns_over(roughness: f64) -> f64 {
     LAST_COLUMN as f64 / (1.0 + 1.0 / roughness).ln()
 }
@@ -140,7 +134,7 @@ fn cos_of(column: f64, roughness: f64) -> f64 {
 
 impl Row {
     fn new(number: usize, shadowing: Shadowing) -> Self {
-        let roughness = roughness_of(number);
+        let roughness = LEAST_ROUGHNESS.powf(1.0 - number as f64 / LAST_ROW as f64);
         // Half of the circle, as the other half is its mirror image.
         let around: [DVec2; AROUND] =
             std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));

@@ -49,7 +49,6 @@ struct Principled {
     further: Rgb,
 }
 
-/// Reflectance of microfacets.
 #[derive(Clone, Copy, Debug)]
 struct Reflectance {
     /// Reflectance at normal incidence.

@@ -6,7 +6,6 @@ use super::ggx::{self, Shadowing, visible_normal};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// GGX microfacets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacets {
     /// glTF's alpha, the square of its roughness.

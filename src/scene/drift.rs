@@ -13,7 +13,7 @@ const PARTS: usize = 64;
 /// Velocity, m/s, and its integral.
 #[derive(Clone, Debug)]
 pub(crate) struct Drift {
-    velocity: Track<DVec3>,
+    pub(super) velocity: Track<DVec3>,
     /// Displacements from the first key to the start of each part, and to the last key.
     ways: Vec<DVec3>,
 }
@@ -35,11 +35,6 @@ impl Drift {
     /// Whether there is never any wind.
     pub(super) fn is_still(&self) -> bool {
         self.velocity.is_constant() && self.velocity.at(0.0) == DVec3::ZERO
-    }
-
-    /// Velocity.
-    pub(super) fn track(&self) -> &Track<DVec3> {
-        &self.velocity
     }
 
     pub(super) fn velocity(&self, time_s: f64) -> DVec3 {

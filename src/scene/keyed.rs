@@ -48,7 +48,7 @@ impl Keyed for Mist {
     }
 
     fn span_s(&self) -> Option<(f64, f64)> {
-        let spans = self.tracks().map(Track::span_s).chain([self.wind.track().span_s()]);
+        let spans = self.tracks().map(Track::span_s).chain([self.wind.velocity.span_s()]);
         spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 

@@ -6,7 +6,7 @@ use super::job::{Job, Skip};
 use super::{Event, SkipReason, Summary};
 use crate::color::Display;
 use crate::frame_file::{self, FrameFileError, Provenance};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -110,7 +110,12 @@ impl<'a> Queue<'a> {
         self.news.notify_all();
     }
 
-    /// Counts of skipped frames.
+    /// Changes the counts of frames.
+    pub(super) fn count(&self, change: impl FnOnce(&mut Summary)) {
+        change(&mut self.lock().summary);
+    }
+
+    /// Counts of frames.
     pub(super) fn into_summary(self) -> Summary {
         self.state.into_inner().unwrap_or_else(PoisonError::into_inner).summary
     }
@@ -119,7 +124,10 @@ impl<'a> Queue<'a> {
 /// Removes temporary files that killed runs left of a frame and of its preview.
 fn remove_abandoned(job: &Job<'_>, path: &Path, report: &(dyn Fn(Event) + Sync)) {
     let targets = [path.to_owned(), path.with_extension("png")];
-    for path in frame_file::remove_abandoned(job.output.folder(), |name| is_name_of(name, &targets)) {
+    let is_target = |name: &[u8]| {
+        targets.iter().any(|path| path.file_name().is_some_and(|own| own.as_encoded_bytes() == name))
+    };
+    for path in frame_file::remove_abandoned(job.output.folder(), is_target) {
         report(Event::AbandonedRemoved { path });
     }
 }
@@ -137,10 +145,6 @@ fn keep(
         report(Event::PreviewOmitted { frame, reason });
     }
     Ok(())
-}
-
-fn is_name_of(name: &[u8], paths: &[PathBuf]) -> bool {
-    paths.iter().any(|path| path.file_name().is_some_and(|own| own.as_encoded_bytes() == name))
 }
 
 fn skip_reason(skip: Skip, path: &Path, provenance: &Provenance) -> Option<SkipReason> {

@@ -36,7 +36,7 @@ pub fn run<E: Send>(
     let frames = job.frames.as_slice().len();
     report(Event::Started { frames });
     let queue = Queue::new(job, &provenance, report);
-    let written = std::thread::scope(|scope| {
+    std::thread::scope(|scope| {
         // Capacity 0: a worker waits until the writer takes its frame.
         let (to_writer, from_workers) = sync_channel(0);
         let writer = Writer { job, report, queue: &queue };
@@ -63,7 +63,6 @@ pub fn run<E: Send>(
         writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })?;
     let mut summary = queue.into_summary();
-    (summary.written, summary.given_up) = (written.written, written.given_up);
     summary.not_reached = frames - summary.done();
     summary.stopped = summary.not_reached > 0;
     summary.seconds = started.elapsed().as_secs_f64();

@@ -21,13 +21,6 @@ pub(super) struct Finished<E> {
     pub(super) seconds: f64,
 }
 
-/// Outcome of the writer.
-#[derive(Default)]
-pub(super) struct Written {
-    pub(super) written: usize,
-    pub(super) given_up: Vec<i64>,
-}
-
 #[derive(Clone, Copy)]
 pub(super) struct Writer<'a> {
     pub(super) job: Job<'a>,
@@ -37,15 +30,12 @@ pub(super) struct Writer<'a> {
 
 impl Writer<'_> {
     /// Writes frames in order until all workers are gone.
-    pub(super) fn write_all<E>(
-        self,
-        from_workers: &Receiver<Finished<E>>,
-    ) -> Result<Written, SequenceError<E>> {
-        let (mut written, mut waiting, mut turn) = (Written::default(), BTreeMap::new(), 0);
+    pub(super) fn write_all<E>(self, from_workers: &Receiver<Finished<E>>) -> Result<(), SequenceError<E>> {
+        let (mut waiting, mut turn) = (BTreeMap::new(), 0);
         let result = from_workers.iter().try_for_each(|finished| {
             waiting.insert(finished.order, finished);
             while let Some(next) = waiting.remove(&turn) {
-                self.write(next, &mut written)?;
+                self.write(next)?;
                 turn += 1;
                 self.queue.done(turn);
             }
@@ -53,15 +43,15 @@ impl Writer<'_> {
         });
         self.queue.end();
         match result {
-            Err(SequenceError::Render { .. }) if self.job.stop.load(Ordering::Relaxed) => Ok(written),
-            result => result.map(|()| written),
+            Err(SequenceError::Render { .. }) if self.job.stop.load(Ordering::Relaxed) => Ok(()),
+            result => result,
         }
     }
 
-    fn write<E>(self, finished: Finished<E>, written: &mut Written) -> Result<(), SequenceError<E>> {
+    fn write<E>(self, finished: Finished<E>) -> Result<(), SequenceError<E>> {
         let (Self { job, report, .. }, Finished { frame, rendered, seconds, .. }) = (self, finished);
         let Some((Rendered { frame: picture, statistics }, provenance)) = rendered? else {
-            written.given_up.push(frame);
+            self.queue.count(|summary| summary.given_up.push(frame));
             report(Event::FrameGivenUp { frame, seconds });
             return Ok(());
         };
@@ -76,7 +66,7 @@ impl Writer<'_> {
         if let Some(display) = &job.preview {
             frame_file::write_preview(&path.with_extension("png"), &picture, display).map_err(write_error)?;
         }
-        written.written += 1;
+        self.queue.count(|summary| summary.written += 1);
         let clamped = defects.clamped.count;
         let write_seconds = write_started.elapsed().as_secs_f64();
         report(Event::FrameWritten { frame, path, seconds, write_seconds, clamped, dark, statistics });

@@ -30,7 +30,6 @@ pub struct Exposure<'scene> {
     scene: &'scene Scene,
     trees: &'scene MeshTrees,
     framing: Framing,
-    /// Times of its moments.
     times_s: Vec<f64>,
     middle_s: f64,
     /// Whether each of the scene's lights emits at any moment of the shutter.

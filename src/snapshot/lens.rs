@@ -19,11 +19,11 @@ pub struct View {
     half: DVec2,
     middle: DVec2,
     /// Whether its rays are parallel.
-    is_orthographic: bool,
+    pub is_orthographic: bool,
     /// Radius of the lens, metres; 0 for a pinhole.
     lens_radius_m: f64,
     /// Distance of the plane in focus, metres.
-    focus_distance_m: f64,
+    pub focus_distance_m: f64,
     /// Number of straight blades of the aperture; 0 for a round one.
     blades: u32,
     /// Clipping planes, between which surfaces are visible.
@@ -172,11 +172,6 @@ impl View {
         0.5 * DVec2::new(1.0 + x, 1.0 - y)
     }
 
-    /// Whether its rays are parallel, rather than from a single eye.
-    pub fn is_orthographic(&self) -> bool {
-        self.is_orthographic
-    }
-
     /// Whether it has a lens rather than a pinhole.
     pub fn has_lens(&self) -> bool {
         self.lens_radius_m > 0.0
@@ -209,11 +204,6 @@ impl View {
     /// The picture's centre in the same plane, to the right and up from the view axis.
     pub fn middle(&self) -> DVec2 {
         self.middle
-    }
-
-    /// Distance of the plane that is in focus, metres; infinite without a lens.
-    pub fn focus_distance_m(&self) -> f64 {
-        self.focus_distance_m
     }
 
     /// Distance of a point of relative space along the view axis (planar Z), metres.
@@ -292,7 +282,7 @@ mod tests {
                     assert!(ndc.distance(expected) < 1e-14, "{ndc} is not {expected}");
                     assert!((clip.z - view.depth(ray.at(2.5))).abs() < 1e-14);
                 }
-                assert!(view.is_orthographic() == matches!(lens, Lens::Orthographic { .. }));
+                assert!(view.is_orthographic == matches!(lens, Lens::Orthographic { .. }));
             }
         }
     }

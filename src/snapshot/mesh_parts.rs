@@ -49,11 +49,9 @@ const MOST_SLENDER: f64 = 8.0;
 #[derive(Debug, Default)]
 pub(super) struct MeshParts(Vec<OnceLock<Parts>>);
 
-/// The parts of a mesh.
 #[derive(Debug)]
 struct Parts {
     parts: Vec<MeshPart>,
-    /// Part of each triangle.
     part_of: Vec<u32>,
 }
 
@@ -66,7 +64,6 @@ impl MeshParts {
         &self.0[number].get_or_init(|| Parts::of(mesh)).parts
     }
 
-    /// The part that a triangle belongs to.
     pub(super) fn part_of(&self, (number, mesh): (usize, &Mesh), triangle: u32) -> usize {
         self.0[number].get_or_init(|| Parts::of(mesh)).part_of[triangle as usize] as usize
     }
@@ -106,7 +103,6 @@ fn parts(mesh: &Mesh) -> Vec<MeshPart> {
     triangles.into_iter().map(|triangles| part(mesh, &names, triangles, count)).collect()
 }
 
-/// Part of a mesh, one of `count`.
 fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>, count: usize) -> MeshPart {
     let corners = |triangle: u32| {
         mesh.triangles[triangle as usize].vertices.map(|vertex| mesh.positions[vertex as usize].as_dvec3())

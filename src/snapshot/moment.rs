@@ -41,7 +41,6 @@ impl Placed {
         self.instance as usize
     }
 
-    /// Number of its mesh.
     pub(super) fn mesh(&self) -> usize {
         self.mesh as usize
     }
@@ -102,7 +101,6 @@ impl<'scene> Moment<'scene, '_> {
         [still, blended]
     }
 
-    /// All fog.
     pub(super) fn medium(&self) -> Medium {
         let (mut banks, mut emitters) = (Vec::new(), Vec::new());
         for fog in self.scene.fogs.iter().filter(|fog| self.placements[fog.node].visible) {
@@ -181,7 +179,6 @@ impl<'scene> Moment<'scene, '_> {
         lights_on.map(luminaire).chain(of_sky).collect()
     }
 
-    /// All materials.
     pub(super) fn materials(&self) -> Cow<'scene, [Material]> {
         let materials = self.scene.materials.as_slice();
         if materials.iter().all(Material::is_constant) {

@@ -47,7 +47,7 @@ impl Snapshot<'_> {
 
     /// Whether the camera sees a mesh.
     pub fn is_mesh_seen(&self, number: usize) -> bool {
-        self.rays_of_instances().is_none_or(|rays| rays.of_instance(number).visible_to_camera)
+        self.rays_of_instances().is_none_or(|rays| rays[number].visible_to_camera)
     }
 
     /// Mesh by its number.

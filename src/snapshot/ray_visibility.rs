@@ -9,21 +9,7 @@ use crate::scene::{RayVisibility, Scene};
 use std::sync::Arc;
 
 /// Ray visibility by the number of an instance.
-#[derive(Clone, Debug)]
-pub struct RaysOfInstances(Arc<[RayVisibility]>);
-
-impl RaysOfInstances {
-    /// Ray visibility of the instance that a triangle belongs to.
-    #[inline]
-    pub fn of(&self, primitive: PrimitiveId) -> RayVisibility {
-        self.0[primitive.instance as usize]
-    }
-
-    /// Ray visibility of an instance.
-    pub fn of_instance(&self, number: usize) -> RayVisibility {
-        self.0[number]
-    }
-}
+pub type RaysOfInstances = Arc<[RayVisibility]>;
 
 /// Ray visibility of opaque instances, then of blended ones; `None` if all rays meet all of them.
 pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<RaysOfInstances> {
@@ -32,9 +18,9 @@ pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<R
     }
     let placed = classes.iter().flat_map(|class| &class.placed);
     let nodes = placed.map(|placed| scene.instances[placed.instance()].node);
-    let rays: Arc<[RayVisibility]> =
+    let rays: RaysOfInstances =
         nodes.map(|node| *scene.ray_visibility.get(&node).unwrap_or(&RayVisibility::USUAL)).collect();
-    rays.iter().any(|rays| *rays != RayVisibility::USUAL).then_some(RaysOfInstances(rays))
+    rays.iter().any(|rays| *rays != RayVisibility::USUAL).then_some(rays)
 }
 
 /// Shadow casters among opaque and among blended instances; `None` if all are.
@@ -42,7 +28,7 @@ pub(super) fn casting(
     classes: &[PlacedInstances; 2],
     rays: Option<&RaysOfInstances>,
 ) -> Option<[InstanceTree; 2]> {
-    let RaysOfInstances(rays) = rays.filter(|rays| rays.0.iter().any(|rays| !rays.casts_shadow))?;
+    let rays = rays.filter(|rays| rays.iter().any(|rays| !rays.casts_shadow))?;
     let mut first = 0;
     let tree = |class: &PlacedInstances| {
         let numbered = (first..).zip(&class.meshes);
@@ -62,19 +48,19 @@ impl Snapshot<'_> {
     /// Whether the camera sees a triangle.
     #[inline]
     pub fn is_seen(&self, primitive: PrimitiveId) -> bool {
-        self.rays.as_ref().is_none_or(|rays| rays.of(primitive).visible_to_camera)
+        self.rays.as_ref().is_none_or(|rays| rays[primitive.instance as usize].visible_to_camera)
     }
 
     /// Whether the camera sees a hole in place of a triangle.
     #[inline]
     pub fn is_holdout(&self, primitive: PrimitiveId) -> bool {
-        self.rays.as_ref().is_some_and(|rays| rays.of(primitive).holdout)
+        self.rays.as_ref().is_some_and(|rays| rays[primitive.instance as usize].holdout)
     }
 
     /// Whether a triangle blocks all light: it is opaque and casts shadows.
     #[inline]
     pub fn ends_light(&self, primitive: PrimitiveId) -> bool {
-        let casts = self.rays.as_ref().is_none_or(|rays| rays.of(primitive).casts_shadow);
+        let casts = self.rays.as_ref().is_none_or(|rays| rays[primitive.instance as usize].casts_shadow);
         casts && (primitive.instance as usize) < self.first_blended
     }
 

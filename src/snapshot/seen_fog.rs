@@ -90,7 +90,6 @@ impl SeenFog {
         Some(fog)
     }
 
-    /// Fog on a lattice, lit by suns.
     fn on(lattice: FogLattice, snapshot: &Snapshot, (suns, g, channels): (&[DVec3], f64, usize)) -> Self {
         let (medium, of_step) = (&snapshot.medium, channels * (1 + suns.len()));
         let of_ray = of_step * (lattice.steps + 1);

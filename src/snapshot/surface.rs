@@ -280,7 +280,6 @@ impl Facet<'_> {
         })
     }
 
-    /// A normal bent by a normal map.
     fn bent(&self, normal: DVec3, (map, scale): (TextureMap, f64), weights: [f64; 3]) -> DVec3 {
         let Some((bending, texel)) = self.bending.zip(self.texel(map, weights)) else { return normal };
         let [bent, unbent] = bending.bent(self.corners, weights, 2.0 * texel - Rgb::ONE, scale);

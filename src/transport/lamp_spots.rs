@@ -26,7 +26,6 @@ pub(super) struct Lamp<'a> {
 }
 
 impl<'a> Lamp<'a> {
-    /// Lamps among some lights.
     pub(super) fn among(lights: &'a [FrozenLight]) -> impl Iterator<Item = Self> + Clone + 'a {
         let is_lamp = |light: &&FrozenLight| matches!(light, FrozenLight::Point { .. });
         let chance = 1.0 / lights.iter().filter(is_lamp).count() as f64;

@@ -32,7 +32,6 @@ pub(super) struct Airlight {
     pub(super) transmittance: Rgb,
 }
 
-/// End of a leg.
 #[derive(Clone, Copy)]
 pub(super) struct LegEnd {
     /// Whether it is an opaque surface.

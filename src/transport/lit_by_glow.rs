@@ -23,7 +23,6 @@ pub(super) struct Collisions<'a> {
     pub(super) chance: f64,
 }
 
-/// A collision with fog.
 #[derive(Clone, Copy)]
 pub(super) struct Collision {
     /// Ray of the walk, with its origin at the collision.

@@ -97,7 +97,6 @@ impl Illumination<'_> {
     }
 }
 
-/// Start of a ray.
 #[derive(Clone, Copy)]
 pub(super) enum Start {
     /// The eye, whose clipping planes hide surfaces.

@@ -18,7 +18,6 @@ pub(super) struct Way {
     pub(super) passes_hidden: bool,
 }
 
-/// End of a ray.
 #[derive(Clone, Copy, Default)]
 pub(super) struct RayEnd {
     /// The nearest visible opaque surface.

@@ -220,7 +220,6 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
     )
 }
 
-/// Bounding box of voxels in the world.
 fn voxel_bounds(world: DAffine3, voxels: &Voxels) -> [DVec3; 2] {
     let (low, high) = voxels.bounds();
     let middle = world.transform_point3(0.5 * (low + high));

@@ -18,7 +18,6 @@ pub(super) struct DepthLine<const LANES: usize> {
 }
 
 impl<const LANES: usize> DepthLine<LANES> {
-    /// No depth.
     #[inline(always)]
     pub(super) fn new(start: f64) -> Self {
         Self { start, at_start: [0.0; LANES], per_reach: [0.0; LANES] }

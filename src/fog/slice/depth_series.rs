@@ -51,7 +51,6 @@ impl DepthSeries<'_> {
         Some(sum)
     }
 
-    /// Integral over one piece.
     fn integral(&self, piece: &Piece, moments: &Moments) -> Rgb {
         let DepthLine { start, at_start, per_reach } = self.even;
         let offset = piece.middle - start;

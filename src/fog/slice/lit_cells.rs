@@ -26,7 +26,6 @@ pub(super) const FACTORIALS: [f64; ORDER] =
 /// A slice's range of reaches, cut into cells.
 #[derive(Debug, Default)]
 pub(super) struct LitCells {
-    /// Edges between cells.
     edges: Vec<f64>,
     moments: Vec<Moments>,
 }
@@ -80,7 +79,6 @@ impl LitCells {
 /// Light that reaches a ray: the cells, and further shadows.
 pub(super) struct Lit<'a> {
     pub(super) cells: &'a LitCells,
-    /// Shadows that the cells include.
     pub(super) shadows: &'a IntervalSet,
     /// Further shadows, of this ray alone.
     pub(super) more_shadows: &'a IntervalSet,

@@ -80,7 +80,6 @@ impl Column {
         self.way.upper.at_axis == f64::INFINITY
     }
 
-    /// The metres as a series.
     fn series(&self, piece: &Piece) -> Series {
         let (metres, at_lower, at_upper) = self.metres_and_ends(piece.middle);
         let h = piece.half_width;

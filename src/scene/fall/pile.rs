@@ -103,7 +103,6 @@ impl Fall {
     }
 }
 
-/// Landing of a leaf on the heap.
 fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Landing {
     let last = flown.tail.len() - 1;
     let (until, touch, velocity) = first_meeting(leaf, sheet, flown, heap).map_or_else(
@@ -137,7 +136,6 @@ fn first_meeting(leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Opti
     ways.find_map(|(at, way)| Some((first + at, landing::first_below(way[0], way[1], is_below)?)))
 }
 
-/// Pose at rest on the heap, from the pose on bare ground.
 fn rest(leaf: &Leaf, sheet: &Sheet, bare: Pose, heap: &Heap, ground: &Ground) -> Pose {
     if heap.lowest_height_m(sheet, lie(&bare)) == f64::NEG_INFINITY {
         return bare;

@@ -88,7 +88,6 @@ impl Resolver<'_> {
         }
     }
 
-    /// Leaves of `block`.
     fn flock<'b>(&mut self, name: &'b str, block: &'b ron::Fall, grounds: &Grounds<'_>) -> Option<Flock<'b>> {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {

@@ -23,7 +23,6 @@ impl Resolver<'_> {
         has_room
     }
 
-    /// Adds the leaves of `block`.
     pub(super) fn leaves(&mut self, name: &str, block: &Leaves) {
         let owner = format!("leaves.{name}");
         if !self.has_room_for(&owner, block.count.0) {

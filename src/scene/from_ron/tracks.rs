@@ -6,7 +6,6 @@ use crate::description::ron::{self, Animated, Degrees, Keyable, Keys, Quaternion
 use crate::scene::{Animate, Handle, Key, Rotation, Segment, Track};
 use glam::DQuat;
 
-/// Track of `field`.
 pub(super) fn track<T: Keyable<Si: Animate>>(
     keyed: &Animated<T>,
     field: &str,

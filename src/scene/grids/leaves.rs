@@ -14,7 +14,6 @@ pub(super) fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item
     })
 }
 
-/// Vectors from the values of a grid.
 pub(super) fn vector_voxels<V: Value>(grid: &Values<V>, of: impl Fn(V) -> Vec3) -> VectorVoxels {
     let mut voxels = VectorVoxels::new(of(grid.tree.background));
     for tile in &grid.tree.tiles {

@@ -72,7 +72,6 @@ pub struct GridFrame {
     source: Source,
 }
 
-/// Source of voxels.
 #[derive(Clone, Debug)]
 enum Source {
     /// Voxels in memory.

@@ -12,7 +12,6 @@ const NAMES: [&str; 3] = ["velocity", "vel", "v"];
 const SEPARATORS: [&str; 3] = ["_", ".", ""];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Velocity field.
 #[derive(Debug)]
 pub(super) struct Velocities {
     /// Grids whose sum it is, with transforms to their voxels.

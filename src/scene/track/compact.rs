@@ -4,7 +4,6 @@
 use super::{Animate, Key, Segment};
 use std::marker::PhantomData;
 
-/// Key of a smooth curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::inside::scene) struct SmoothKey<T> {
     /// Seconds.

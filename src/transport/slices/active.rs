@@ -59,7 +59,6 @@ impl Active {
             .map(|(segment, _)| segment)
     }
 
-    /// Segment by its number.
     pub(super) fn segment(&self, number: usize) -> &Segment {
         &self.segments[number]
     }

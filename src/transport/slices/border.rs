@@ -26,7 +26,6 @@ pub(super) struct Borders<'a> {
     light_rays: LightRays,
 }
 
-/// Border of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Border {
     /// Point in the half plane of the slice that cuts it.

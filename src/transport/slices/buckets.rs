@@ -1,15 +1,12 @@
 //! Bucket sort of segments by the part of the slice in which they begin. In go items with bucket numbers, out
 //! come the items of each bucket. Invariant: sorting takes linear time and is stable.
 
-/// Items by bucket.
 #[derive(Debug)]
 pub(super) struct Buckets<T> {
     items: Vec<T>,
-    /// Bucket of each item.
     buckets: Vec<u32>,
     /// Indices of the items by bucket: items are large, and stay in place.
     sorted: Vec<u32>,
-    /// End of each bucket.
     ends: Vec<u32>,
 }
 
@@ -26,7 +23,6 @@ impl<T: Copy> Buckets<T> {
         self.buckets.clear();
     }
 
-    /// Adds an item to a bucket.
     pub(super) fn push(&mut self, bucket: usize, item: T) {
         self.items.push(item);
         self.buckets.push(bucket as u32);

@@ -33,13 +33,11 @@ const LEAST_BEND: f64 = 0.1;
 /// Origin of an edge: the border of a triangle, or its shadow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeOrigin {
-    /// Cut of the border by the slice.
     pub(super) border: CutEnd,
     /// Triangle that the shadow lies on; `None` for a border of the triangle itself.
     pub(super) shaded: Option<PrimitiveId>,
 }
 
-/// End of a piece of a chord.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PieceEnd {
     /// Area per radian that the slice has passed there.
@@ -76,7 +74,7 @@ impl Edges {
             self.piece_ends.push(PieceEnd { area: chord.end, slope: slopes.end, origin: None });
             return &self.piece_ends;
         }
-        let segments: usize = sweeps.iter().map(|sweep| sweep.active().count()).sum();
+        let segments: usize = sweeps.iter().map(|sweep| sweep.active.count()).sum();
         let mut is_crowded = segments > CROWD;
         if !is_crowded {
             for sweep in sweeps {
@@ -109,7 +107,7 @@ impl Edges {
     fn add_edges(&mut self, sweep: &Sweep, light_rays: LightRays, Range { start, end }: Range<f64>) {
         let Self { ends, slopes, .. } = self;
         ends.clear();
-        let segments = sweep.active();
+        let segments = &sweep.active;
         if segments.count() == 0 {
             return;
         }
@@ -144,9 +142,8 @@ impl Edges {
     }
 }
 
-/// Nearest segment on the ray of a slope.
 fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
-    let met = sweep.active().met_at(slope).map(|number| sweep.active().segment(number));
+    let met = sweep.active.met_at(slope).map(|number| sweep.active.segment(number));
     let points = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope))));
     let reaches = points
         .filter(|(segment, point)| sweep.shows(segment, *point))
@@ -188,14 +185,14 @@ fn add_shadow_edges(
         point.y / point.x
     };
     let shadow_of = |border| EdgeOrigin { border, shaded: Some(segment.primitive) };
-    let passed = sweep.passed_shadows();
+    let passed = &sweep.shadows;
     let first = passed.as_slice().partition_point(|&(_, end)| end <= from);
     for &(start, end) in passed.as_slice()[first..].iter().take_while(|(start, _)| *start < to) {
         for name in [start, end].into_iter().filter(is_within) {
             slopes.push((slope_at(name), sweep.passed_end(name).map(shadow_of)));
         }
     }
-    let others = sweep.active().iter().filter(|other| !ptr::eq(*other, segment));
+    let others = sweep.active.iter().filter(|other| !ptr::eq(*other, segment));
     for other in others.filter(|other| sweep.casts_shadow(other)) {
         for end in [other.upper, other.lower] {
             if is_within(&end.name) && !passed.contains(end.name) {

@@ -23,7 +23,6 @@ const ONE_OUTLINE: f64 = 0.99;
 struct Stretch {
     /// Column and row of the region.
     region: (usize, usize),
-    /// The first of its runs.
     first_run: usize,
     /// Slopes of the rays at which its first piece begins and its last one ends.
     slopes: [f64; 2],
@@ -32,7 +31,6 @@ struct Stretch {
 /// Consecutive pieces of a slice, in successive chords, without an edge between them.
 #[derive(Debug)]
 struct Run {
-    /// The first of its pieces.
     first: usize,
     /// Slope of the ray at its end.
     slope: f64,
@@ -132,13 +130,11 @@ impl Outline {
         (x / self.region_side, y / self.region_side)
     }
 
-    /// The runs of a stretch.
     fn runs_of(&self, stretch: usize) -> Range<usize> {
         let end = self.stretches.get(stretch + 1).map_or(self.runs.len(), |next| next.first_run);
         self.stretches[stretch].first_run..end
     }
 
-    /// The pieces of a run.
     fn pieces_of(&self, run: usize) -> Range<usize> {
         let end = self.runs.get(run + 1).map_or(self.slopes.len(), |next| next.first);
         self.runs[run].first..end

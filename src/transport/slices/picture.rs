@@ -27,7 +27,7 @@ impl Picture {
         let half = view.half_extents();
         let pixels_per_unit = size.width as f64 / (2.0 * half.x);
         // Points in focus stay in their pixel: the picture shifts against the lens.
-        let shift = view.middle() - lens_point / view.focus_distance_m();
+        let shift = view.middle() - lens_point / view.focus_distance_m;
         let corner = shift + DVec2::new(-half.x, half.y);
         Self { right, up, forward, pixels_per_unit, corner, low: shift - half, high: shift + half }
     }

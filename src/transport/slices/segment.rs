@@ -5,7 +5,6 @@ use super::light_rays::LightRays;
 use crate::accel::{Cut, PrimitiveId};
 use glam::DVec2;
 
-/// A segment of the slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     pub(super) primitive: PrimitiveId,
@@ -23,7 +22,6 @@ pub(super) struct CutEnd {
     pub(super) point: DVec2,
 }
 
-/// An end of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) point: DVec2,

@@ -38,7 +38,6 @@ impl SliceRay<'_> {
         })
     }
 
-    /// The path that begins with this ray.
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
         let SliceJob { snapshot, transport, light, has_rest, .. } = *self.job;
         let lights = std::slice::from_ref(light);

@@ -11,7 +11,7 @@ use super::slice::{LEAST_SPREAD, Place, Slice};
 use super::slice_job::SliceJob;
 use super::slice_ray::SliceRay;
 use super::sweep::{Meeting, PlanarClip, Sweep};
-use super::veiled::VeilSweep;
+use super::veiled::touches;
 use crate::accel::{Cut, HalfPlane};
 use crate::fog::FogSlice;
 use crate::math::{PlanarRay, Ray, Sampler, kronecker};
@@ -34,7 +34,7 @@ struct RayScratch {
     lowest_slopes: Vec<f64>,
     cuts: Vec<Cut>,
     sweep: Sweep,
-    veils: VeilSweep,
+    veils: Sweep,
     fog: FogSlice,
     followed: Scratch,
 }
@@ -113,7 +113,7 @@ struct Rays<'a> {
     outward: DVec3,
     light_rays: LightRays,
     sweep: &'a mut Sweep,
-    veils: &'a mut VeilSweep,
+    veils: &'a mut Sweep,
     has_veils: bool,
     fog: &'a mut FogSlice,
     followed: &'a mut Scratch,
@@ -142,7 +142,7 @@ impl<'a> Rays<'a> {
         let lowest_slope = *lowest_slopes.last()?;
         let half_plane = HalfPlane { eye, axis, outward: slice.outward, lowest_slope };
         let clip = PlanarClip::of(&snapshot.view, slice.outward, axis);
-        (sweep.clip, veils.sweep.clip) = (clip, clip);
+        (sweep.clip, veils.clip) = (clip, clip);
         // The sweep of blended surfaces only finds the rays that they touch.
         sweep.rays = snapshot.rays_of_instances().cloned();
         cuts.clear();
@@ -163,12 +163,12 @@ impl<'a> Rays<'a> {
     fn enter(&mut self, chord: &Chord) {
         let fog = &mut *self.fog;
         self.sweep.enter(chord.slopes[0], |start, end| fog.darken(start, end));
-        self.veils.enter(chord.slopes[0]);
+        self.veils.enter(chord.slopes[0], |_, _| {});
     }
 
     /// Sweeps of opaque and of blended surfaces.
     fn sweeps(&self) -> [&Sweep; 2] {
-        [self.sweep, &self.veils.sweep]
+        [self.sweep, self.veils]
     }
 
     /// Sample of a piece's ray.
@@ -195,7 +195,7 @@ impl<'a> Rays<'a> {
             meeting: meeting.zip(self.met.as_ref()),
             sampler: Sampler::new(seed ^ piece.number as u32, x as u32, y as u32, number),
         };
-        if self.has_veils && self.veils.touches(&planar, light_rays, ray.distance()) {
+        if self.has_veils && touches(self.veils, &planar, light_rays, ray.distance()) {
             ray.by_itself(self.followed)
         } else {
             ray.value(self.sweep, fog, self.followed)

@@ -51,7 +51,6 @@ impl PlanarClip {
     }
 }
 
-/// The state of the sweep.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
     /// The camera's clipping planes, if they hide anything.
@@ -63,9 +62,9 @@ pub(super) struct Sweep {
     /// Number of the next part.
     next: usize,
     /// Segments that rays of the current part may meet and have not yet passed.
-    active: Active,
+    pub(super) active: Active,
     /// Shadows of the segments above the current ray.
-    shadows: IntervalSet,
+    pub(super) shadows: IntervalSet,
     /// Names of the light's rays at which parts of `shadows` began and ended as they were added, and the ends
     /// of segments there.
     passed_names: Vec<f64>,
@@ -137,28 +136,17 @@ impl Sweep {
 
     /// Whether the camera sees a segment at a point.
     pub(super) fn shows(&self, segment: &Segment, point: DVec2) -> bool {
-        let is_seen = |rays: &RaysOfInstances| rays.of(segment.primitive).visible_to_camera;
+        let is_seen = |rays: &RaysOfInstances| rays[segment.primitive.instance as usize].visible_to_camera;
         self.clip.is_none_or(|clip| clip.shows(point)) && self.rays.as_ref().is_none_or(is_seen)
     }
 
-    /// Whether a segment casts a shadow.
     pub(super) fn casts_shadow(&self, segment: &Segment) -> bool {
-        self.rays.as_ref().is_none_or(|rays| rays.of(segment.primitive).casts_shadow)
-    }
-
-    /// Segments that rays of the current part may meet.
-    pub(super) fn active(&self) -> &Active {
-        &self.active
+        self.rays.as_ref().is_none_or(|rays| rays[segment.primitive.instance as usize].casts_shadow)
     }
 
     /// End of a segment at which one of the passed shadows begins or ends.
     pub(super) fn passed_end(&self, name: f64) -> Option<CutEnd> {
         position_of(name, &self.passed_names).map(|index| self.passed_ends[index])
-    }
-
-    /// Shadows of segments that all rays of the part have passed.
-    pub(super) fn passed_shadows(&self) -> &IntervalSet {
-        &self.shadows
     }
 
     /// Moves segments wholly above a slope to the shadows.
@@ -175,7 +163,7 @@ impl Sweep {
         // Neighbouring triangles mostly touch, and are added as one.
         let mut pending: Option<[(f64, CutEnd); 2]> = None;
         self.active.pass(slope, |segment| {
-            if rays.as_ref().is_some_and(|rays| !rays.of(segment.primitive).casts_shadow) {
+            if rays.as_ref().is_some_and(|rays| !rays[segment.primitive.instance as usize].casts_shadow) {
                 return;
             }
             let shadow = segment.shadow_ends().map(|end| (end.name, segment.cut_end(end)));
