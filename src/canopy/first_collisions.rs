@@ -131,7 +131,7 @@ impl FirstCollisions<'_> {
                     }
                 }
             }
-            sources.add_nodes(scattered);
+            sources.add_nodes(scattered, 1.0);
         }
     }
 
@@ -148,7 +148,7 @@ impl FirstCollisions<'_> {
                     peak[node][channel] += per_volume[node] * value;
                 }
             }
-            found.sources.add_nodes(scattered);
+            found.sources.add_nodes(scattered, 1.0);
         }
         if self.snapshot.medium.is_empty() {
             return;
@@ -333,7 +333,7 @@ impl FirstCollisions<'_> {
                 sent.add_lobe(&nodes[1], &cosine_lobe(facing), factor * scattered.back);
             }
         }
-        found.sources.add_nodes(&sent);
+        found.sources.add_nodes(&sent, 1.0);
     }
 
     /// Deposits power on a leaf.

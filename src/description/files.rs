@@ -64,9 +64,6 @@ pub(super) fn beside(folder: &Path, name: &Path) -> PathBuf {
 
 impl Files {
     /// Reads a file; `referrer` is the place that refers to it ("scene.ron: meshes.leaf").
-    ///
-    /// # Errors
-    /// [`LoadError::Io`] if it cannot be read.
     pub fn read(&mut self, path: &Path, referrer: Option<&str>) -> Result<Vec<u8>, LoadError> {
         let bytes = self.read_uncounted(path, referrer)?;
         self.count(&bytes);
@@ -74,9 +71,6 @@ impl Files {
     }
 
     /// Reads a text file; the hash ignores comments and blanks.
-    ///
-    /// # Errors
-    /// [`LoadError::Io`] if it cannot be read.
     pub(super) fn read_text(
         &mut self,
         path: &Path,

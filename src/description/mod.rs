@@ -77,9 +77,6 @@ impl SceneSource {
 
 impl Description {
     /// Description of a scene from code. Its hash covers all of its contents.
-    ///
-    /// # Errors
-    /// [`LoadError`] with all problems.
     pub fn built(built: ron::BuiltScene) -> Result<Self, LoadError> {
         let mut files = Files::default();
         files.count(format!("{built:?}").as_bytes());
@@ -174,9 +171,6 @@ impl From<Diagnostic> for LoadError {
 }
 
 /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`.
-///
-/// # Errors
-/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with all problems.
 pub fn load(path: &Path) -> Result<Description, LoadError> {
     let mut files = Files::default();
     let (scene, sequence) = match extension(path).as_str() {

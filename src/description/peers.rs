@@ -26,9 +26,6 @@ pub struct PeerRow {
 }
 
 /// Reads a table: a heading, then a row a measurement; lines with `#` at the start are comments.
-///
-/// # Errors
-/// If the file cannot be read, or with all problems of its contents.
 pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
     let bytes = Files::default().read(path, Some("--peers"))?;
     let mut lines = csv::ReaderBuilder::new()

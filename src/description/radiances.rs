@@ -16,9 +16,6 @@ pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fau
 }
 
 /// Converts an image in Radiance's HDR format.
-///
-/// # Errors
-/// With its first invalid texel.
 pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     let rgb = decoded.into_rgb32f();
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);

@@ -79,9 +79,6 @@ impl Picture {
     }
 
     /// Writes it as PNG, whole or not at all; folders are created.
-    ///
-    /// # Errors
-    /// If it is too large for a PNG or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FrameFileError> {
         let encode_error = |reason: String| FrameFileError::Encode { path: path.to_owned(), reason };
         let (width, height) = png_size(self.size).map_err(encode_error)?;
@@ -101,9 +98,6 @@ pub(super) fn png_size(size: Size) -> Result<(u32, u32), String> {
 }
 
 /// Writes a frame's picture.
-///
-/// # Errors
-/// If the frame has no colour or the file cannot be written.
 pub fn write_preview(path: &Path, frame: &Frame, display: &Display) -> Result<(), FrameFileError> {
     Picture::of(frame, display)
         .map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?

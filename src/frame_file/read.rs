@@ -55,9 +55,6 @@ pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
 
 /// Reads two files for a comparison. If their display windows are equal, pixels outside them are read as
 /// well.
-///
-/// # Errors
-/// As for [`read`].
 pub fn read_both(paths: [&Path; 2]) -> Result<[FrameFile; 2], FrameFileError> {
     let [one, other] = paths.map(header_of);
     let [one, other] = [one?, other?];

@@ -202,14 +202,14 @@ fn about_lamps(snapshot: &Snapshot, fog: Bounds, glow: &[Luminaire]) -> Option<B
 
 /// Fog around lamps and emissive surfaces, whose light layers do not have, to an optical depth.
 fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (glow, depth): (&[Luminaire], f64)) -> Vec<Bounds> {
-    let up = layers.up().abs();
+    let up = layers.heights.up.abs();
     let about = |light: &Luminaire| {
         let FrozenLight::Point { position, .. } = light.centre() else { return None };
         let place = snapshot.world_from_relative(position);
-        let farthest_m = LIT_HEIGHTS * (layers.above_ground_m(place) + layers.scale_m());
+        let farthest_m = LIT_HEIGHTS * (layers.above_ground_m(place) + layers.heights.scale_m);
         let ray = Ray { origin: position, direction: up.any_orthonormal_vector() };
         let reach_m = reach_m(snapshot, &ray, farthest_m, depth);
-        let reach = reach_m * (DVec3::ONE - up) + reach_m.min(LIT_ABOVE * layers.scale_m()) * up;
+        let reach = reach_m * (DVec3::ONE - up) + reach_m.min(LIT_ABOVE * layers.heights.scale_m) * up;
         Some((place - reach, place + reach))
     };
     snapshot.lights.iter().chain(glow).filter_map(about).collect()

@@ -132,9 +132,4 @@ impl Field {
             Some(Finest::Layers(_)) | None => false,
         }
     }
-
-    /// Whether its orders hardly grow darker, so that the series was cut short.
-    pub(super) fn is_endless(&self) -> bool {
-        self.levels.iter().any(Level::is_endless)
-    }
 }

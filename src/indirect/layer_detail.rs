@@ -32,13 +32,13 @@ impl LayerDetail {
     pub(super) fn new(grid: &Grid, layers: &Layers) -> Option<Self> {
         /// Size in scale heights below which a cell is small.
         const SMALL: f64 = 0.1;
-        if !layers.are_level() || grid.cell_m < SMALL * layers.scale_m() {
+        if !layers.are_level() || grid.cell_m < SMALL * layers.heights.scale_m {
             return None;
         }
         let (low, _) = grid.bounds();
         let rows = (0..grid.size[1]).map(|row| {
             let height_m = low.y + row as f64 * grid.cell_m;
-            let is_above = layers.ground_m().is_none_or(|ground_m| height_m > ground_m);
+            let is_above = layers.heights.ground_m().is_none_or(|ground_m| height_m > ground_m);
             is_above.then(|| mean_light(layers, height_m, grid.cell_m))
         });
         Some(Self { rows: rows.collect(), lowest_m: low.y, cell_m: grid.cell_m })
@@ -76,13 +76,13 @@ impl LayerDetail {
 /// Mean over the fog that a node represents: that of its cell, extended down to the ground where the next
 /// node lies below it.
 fn mean_light(layers: &Layers, height_m: f64, cell_m: f64) -> FogLight {
-    let ground_m = layers.ground_m().unwrap_or(f64::NEG_INFINITY);
+    let ground_m = layers.heights.ground_m().unwrap_or(f64::NEG_INFINITY);
     let low = if height_m - cell_m <= ground_m { ground_m } else { height_m - 0.5 * cell_m };
     let size = height_m + 0.5 * cell_m - low;
     let (mut sum, mut all) = (FogLight::ZERO, 0.0);
     for number in 0..PLACES {
         let at = low + size * (number as f64 + 0.5) / PLACES as f64;
-        let weight = layers.extinction_per_m(at * DVec3::Y);
+        let weight = layers.heights.extinction_per_m(at * DVec3::Y);
         sum.add(&layers.fog_light(at * DVec3::Y), weight);
         all += weight;
     }

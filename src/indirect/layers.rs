@@ -10,7 +10,7 @@ use super::gathered::{Gathered, with_peaks};
 use super::ground::Ground;
 use super::lobe::Lobe;
 use super::sky::{has_sky, sky_of};
-use super::stack::{Filled, Heights};
+use super::stack::{Between, Filled, Heights};
 use super::towards::Towards;
 use crate::canopy::clumps::Clump;
 use crate::canopy::fluence::Peak;
@@ -31,9 +31,9 @@ use std::collections::HashMap;
 
 /// Light that depends on height alone.
 pub(super) struct Layers {
-    /// Whether the ground emits.
-    ground_glows: bool,
-    heights: Heights,
+    /// Whether the ground emits, so that its emission is part of their light.
+    pub(super) ground_glows: bool,
+    pub(super) heights: Heights,
     light: PlaneParallel,
     levels: Vec<LevelLight>,
     /// Forward peak of each sun at each level.
@@ -78,14 +78,6 @@ impl FogLight {
         };
         Rgb::new(of_channel(0), of_channel(1), of_channel(2))
     }
-}
-
-/// A place between two levels.
-#[derive(Clone, Copy)]
-struct Between {
-    above: usize,
-    below: usize,
-    share_below: f64,
 }
 
 impl Between {
@@ -157,19 +149,9 @@ impl Layers {
         Some(Self { ground_glows, heights, light, levels, peaks })
     }
 
-    /// Whether the ground emits, so that its emission is part of their light.
-    pub(super) fn ground_glows(&self) -> bool {
-        self.ground_glows
-    }
-
-    fn between(&self, world: DVec3) -> Between {
-        let (above, below, share_below) = self.heights.between(world);
-        Between { above, below, share_below }
-    }
-
     /// Incident radiance on a grid within.
     pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Surrounding {
-        let places = RimLevels::of(rim_places(grid).into_iter().map(|place| self.between(place)));
+        let places = RimLevels::of(rim_places(grid).into_iter().map(|place| self.heights.between(place)));
         let quadrature = Quadrature::new();
         let fine = Quadrature::fine();
         let parts = self.light.scattered_parts();
@@ -233,7 +215,7 @@ impl Layers {
 
     /// Radiance from all sides at a place in world space.
     pub(super) fn gathered(&self, world: DVec3) -> Gathered {
-        let between = self.between(world);
+        let between = self.heights.between(world);
         Gathered {
             moments: between.mean(|level| self.levels[level].moments),
             fourth: between.mean(|level| self.levels[level].fourth),
@@ -244,7 +226,7 @@ impl Layers {
 
     /// Light that a lobe gathers; for a cosine lobe, irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
-        let between = self.between(world);
+        let between = self.heights.between(world);
         let peaks = self.peaks_at(between);
         if lobe.is_cosine_of(self.heights.up) {
             // Plain ground: truncated harmonics would err by a hundredth.
@@ -263,7 +245,7 @@ impl Layers {
 
     /// Forward peaks of suns at a place in world space.
     pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
-        self.peaks_at(self.between(world))
+        self.peaks_at(self.heights.between(world))
     }
 
     fn peaks_at(&self, Between { above, below, share_below }: Between) -> impl Iterator<Item = Peak> {
@@ -273,7 +255,7 @@ impl Layers {
     /// Radiance that fog scatters into a direction of travel: see [`super::Field::scattered`].
     pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let Some(towards) = &towards.in_layers else { return Rgb::ZERO };
-        let between = self.between(world);
+        let between = self.heights.between(world);
         let [above, below] = [between.above, between.below]
             .map(|level| self.levels[level].in_fog.scattered(towards, scattering));
         above.lerp(below, between.share_below).max(Rgb::ZERO)
@@ -286,7 +268,7 @@ impl Layers {
 
     /// Radiance for fog at a place in world space.
     pub(super) fn fog_light(&self, world: DVec3) -> FogLight {
-        let between = self.between(world);
+        let between = self.heights.between(world);
         let mut light = self.levels[between.above].in_fog.scaled(1.0 - between.share_below);
         light.add(&self.levels[between.below].in_fog, between.share_below);
         light
@@ -299,27 +281,12 @@ impl Layers {
 
     /// Whether nothing but level ground lies below them.
     pub(super) fn end_below(&self) -> bool {
-        self.are_level() && self.ground_m().is_some()
-    }
-
-    /// Direction in which fog thins out.
-    pub(super) fn up(&self) -> DVec3 {
-        self.heights.up
+        self.are_level() && self.heights.ground_m().is_some()
     }
 
     /// Height of a place in world space above the ground, if there is any, metres.
     pub(super) fn above_ground_m(&self, world: DVec3) -> f64 {
-        self.ground_m().map_or(0.0, |ground_m| (self.heights.height_m(world) - ground_m).max(0.0))
-    }
-
-    /// Height of the ground, if there is any, metres.
-    pub(super) fn ground_m(&self) -> Option<f64> {
-        self.heights.ground_m()
-    }
-
-    /// Extinction at a place in world space, summed over channels, 1/m.
-    pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
-        self.heights.extinction_per_m(world)
+        self.heights.ground_m().map_or(0.0, |ground_m| (self.heights.height_m(world) - ground_m).max(0.0))
     }
 
     /// A box in world space, extended down to the ground if there is any.
@@ -328,11 +295,6 @@ impl Layers {
         let lowest = corners((low, high))
             .map(|place| place - (self.heights.height_m(place) - ground_m).max(0.0) * self.heights.up);
         bounds(lowest.into_iter().chain([low, high]))
-    }
-
-    /// Scale height of the fog, metres.
-    pub(super) fn scale_m(&self) -> f64 {
-        self.heights.scale_m
     }
 }
 

@@ -24,7 +24,7 @@ use crate::ordinates::cross_sections::Extinction;
 use crate::ordinates::grid::{Corners, Grid};
 use crate::ordinates::harmonics::{COUNT, DEGREE, product};
 use crate::ordinates::high_degrees::{HighMoments, SEEN_DEGREES};
-use crate::ordinates::moments::NodeMoments;
+use crate::ordinates::moments::{Moments, NodeMoments};
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::source_iteration::{Problem, Solution};
@@ -40,20 +40,16 @@ const AWAY: f64 = 0.25;
 
 /// Light of all orders on one grid.
 pub(super) struct Level {
-    grid: Grid,
+    pub(super) grid: Grid,
     walls: Walls,
-    /// Moments for surfaces, at nodes and of radiance towards walls.
-    light: NodeMoments,
-    /// Moments of degree 3, for glossy surfaces and for fog that scatters forward.
-    third: Option<NodeMoments>,
-    /// Moments of degree 4, which a cosine lobe gathers, too; orders of scattering do without.
-    fourth: NodeMoments,
+    /// Light for surfaces, at nodes and towards walls.
+    light: Light,
     /// Moments for fog, where the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
     /// Moments of degrees 5 and 6, for fog that scatters forward.
     high: Option<HighMoments>,
     /// Light straight from emitters, for fog alone, where surfaces sample emitters by rays.
-    of_glow: Option<OfGlow>,
+    of_glow: Option<Light>,
     /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// Radiance at a finer grid's rim, until that is solved; without light straight from the sky.
@@ -67,23 +63,23 @@ pub(super) struct Level {
     /// Vertical detail within cells, where layers lie around the grid.
     detail: Option<LayerDetail>,
     on_leaves: LeafPower,
-    is_endless: bool,
+    /// Whether its orders hardly grow darker, so that the series was cut short.
+    pub(super) is_endless: bool,
 }
 
-/// Moments of light straight from emitters.
-struct OfGlow {
-    light: NodeMoments,
+/// Moments up to degree 4.
+struct Light {
+    low: NodeMoments,
+    /// Moments of degree 3, for glossy surfaces and for fog that scatters forward.
     third: Option<NodeMoments>,
+    /// Moments of degree 4, which a cosine lobe gathers, too; orders of scattering do without.
     fourth: NodeMoments,
 }
 
-impl OfGlow {
-    fn of(swept: &Swept) -> Self {
-        Self {
-            light: NodeMoments::of(&swept.moments),
-            third: swept.third.as_ref().map(NodeMoments::of),
-            fourth: NodeMoments::of(&swept.fourth),
-        }
+impl Light {
+    fn of(low: &Moments, Swept { third, fourth, .. }: &Swept) -> Self {
+        let third = third.as_ref().map(NodeMoments::of);
+        Self { low: NodeMoments::of(low), third, fourth: NodeMoments::of(fourth) }
     }
 }
 
@@ -134,17 +130,15 @@ impl Level {
         emitted.iter().for_each(|emitted| solution.last.add_high(emitted));
         let Contents { medium, walls: SnapshotWalls { walls, .. }, .. } = contents;
         let (clumps, extinction) = medium.told(&first.met_again);
-        let (light, fourth) = (NodeMoments::of(&solution.all), NodeMoments::of(&solution.last.fourth));
+        let light = Light::of(&solution.all, &solution.last);
         Self {
-            on_faces: walls.faces.irradiances(&light),
+            on_faces: walls.faces.irradiances(&light.low),
             walls,
             light,
-            third: solution.last.third.as_ref().map(NodeMoments::of),
-            fourth,
             light_in_fog: light_in_fog(&solution, snapshot.sky),
             high: solution.last.high.as_ref().map(HighMoments::of),
             glow_radiances: solution.emitted_radiances,
-            of_glow: emitted.as_ref().map(OfGlow::of),
+            of_glow: emitted.as_ref().map(|swept| Light::of(&swept.moments, swept)),
             radiances: solution.radiances,
             sky_radiances: solution.sky_radiances,
             forward_peaks: first.forward_peaks,
@@ -179,8 +173,9 @@ impl Level {
         let lit = self.walls.faces.of_corners(&corners, lobe.normal());
         let is_asked = |normal| lobe.is_cosine_of(normal);
         let on_faces = || self.walls.faces.mean(&lit, is_asked, &self.on_faces);
-        let irradiance = on_faces()
-            .unwrap_or_else(|| product(&lobe.of_travel(), &self.light.mean(&lit)) + self.beyond(&lit, lobe));
+        let irradiance = on_faces().unwrap_or_else(|| {
+            product(&lobe.of_travel(), &self.light.low.mean(&lit)) + self.beyond(&lit, lobe)
+        });
         with_peaks(irradiance, self.forward_peaks.iter().map(|peak| peak.about(&corners)), lobe)
     }
 
@@ -199,8 +194,8 @@ impl Level {
         let mut sides = [0, 1].map(|side| {
             let corners = &alone.nodes[side][0];
             Gathered {
-                moments: self.light.mean(corners),
-                fourth: self.fourth.mean(corners),
+                moments: self.light.low.mean(corners),
+                fourth: self.light.fourth.mean(corners),
                 peaks: self.forward_peaks.iter().map(|peak| peak.about(corners)).collect(),
                 clump: self.clumps.of_leaf(clump, leaf, unmet[side].all()),
             }
@@ -234,8 +229,8 @@ impl Level {
         let of = |factors: Option<[f64; COUNT]>, moments: Option<&NodeMoments>| {
             factors.zip(moments).map_or(Rgb::ZERO, |(factors, moments)| product(&factors, &moments.mean(lit)))
         };
-        of(lobe.of_third_of_travel(), self.third.as_ref())
-            + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
+        of(lobe.of_third_of_travel(), self.light.third.as_ref())
+            + of(lobe.of_fourth_of_travel(), Some(&self.light.fourth))
     }
 
     /// Forward peaks of suns at a place in world space.
@@ -253,9 +248,9 @@ impl Level {
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
         let corners = self.corners_seen_from(world);
-        let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light).mean(&corners);
+        let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light.low).mean(&corners);
         if let Some(glow) = &self.of_glow {
-            let added = glow.light.mean(&corners);
+            let added = glow.low.mean(&corners);
             let sums = moments.as_flattened_mut().iter_mut();
             sums.zip(added.as_flattened()).for_each(|(sum, value)| *sum += value);
         }
@@ -266,15 +261,12 @@ impl Level {
             (0..COUNT).map(harmonic).sum()
         };
         let mut by_harmonics = Rgb::new(of_channel(0), of_channel(1), of_channel(2));
-        if let Some(third) = self.third.as_ref().filter(|_| self.light_in_fog.is_none()) {
-            by_harmonics += scattering[3] * product(&towards.third, &third.mean(&corners));
-            by_harmonics += scattering[4] * product(&towards.fourth, &self.fourth.mean(&corners));
-        }
-        if let Some(OfGlow { third, fourth, .. }) = &self.of_glow {
-            let third =
-                third.as_ref().map_or(Rgb::ZERO, |third| product(&towards.third, &third.mean(&corners)));
-            by_harmonics += scattering[3] * third;
-            by_harmonics += scattering[4] * product(&towards.fourth, &fourth.mean(&corners));
+        let is_whole = self.light.third.is_some() && self.light_in_fog.is_none();
+        for light in is_whole.then_some(&self.light).into_iter().chain(&self.of_glow) {
+            if let Some(third) = &light.third {
+                by_harmonics += scattering[3] * product(&towards.third, &third.mean(&corners));
+            }
+            by_harmonics += scattering[4] * product(&towards.fourth, &light.fourth.mean(&corners));
         }
         let high = self.high.as_ref();
         let high = high.map_or(Rgb::ZERO, |high| high.scattered(&corners, &towards.high, scattering));
@@ -295,21 +287,6 @@ impl Level {
         let lowest = [a, b].map(|place| grid.corners(place).nodes[0]);
         walls.occluders.hide(grid, lowest[0], a, b)
             || lowest[0] != lowest[1] && walls.occluders.hide(grid, lowest[1], a, b)
-    }
-
-    /// Whether its orders hardly grow darker, so that the series was cut short.
-    pub(super) fn is_endless(&self) -> bool {
-        self.is_endless
-    }
-
-    /// Distance between nodes, metres.
-    pub(super) fn cell_m(&self) -> f64 {
-        self.grid.cell_m
-    }
-
-    /// Bounds of the grid, in world space.
-    pub(super) fn volume(&self) -> (DVec3, DVec3) {
-        self.grid.volume()
     }
 }
 

@@ -29,7 +29,6 @@ mod wall_light;
 mod walls;
 
 use self::field::Field;
-use self::level::Level;
 use self::lobe::Lobe;
 use self::solved::Solved;
 use self::view::ViewedFog;
@@ -78,12 +77,12 @@ impl Indirect {
 
     /// Side of the finest cells, metres; infinite where there are none.
     pub fn cell_m(&self) -> f64 {
-        self.solved.field.levels.first().map_or(f64::INFINITY, Level::cell_m)
+        self.solved.field.levels.first().map_or(f64::INFINITY, |level| level.grid.cell_m)
     }
 
     /// Whether hardly anything absorbs it, so that the series of orders was cut short and is too dark.
     pub fn is_endless(&self) -> bool {
-        self.solved.field.is_endless()
+        self.solved.field.levels.iter().any(|level| level.is_endless)
     }
 
     /// Whether light straight from the sky is part of it, so that rays need not sample it. It is not where a

@@ -53,7 +53,7 @@ impl Solved {
     ) -> Option<Self> {
         let mut surroundings = Surroundings::of(snapshot);
         let layers = layers(snapshot, &mut surroundings, bounces);
-        let plain_glows = layers.as_ref().is_some_and(Layers::ground_glows);
+        let plain_glows = layers.as_ref().is_some_and(|layers| layers.ground_glows);
         // No ray samples the emission of fog.
         let is_swept = plain_glows || snapshot.medium.emits();
         let glow = snapshot.glow().filter(|glow| !is_swept && glow.is_looked_for());

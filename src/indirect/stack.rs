@@ -45,6 +45,14 @@ pub(super) struct Filled {
     pub(super) peaks: Vec<Vec<Peak>>,
 }
 
+/// The levels above and below a place, and the weight of the one below.
+#[derive(Clone, Copy)]
+pub(super) struct Between {
+    pub(super) above: usize,
+    pub(super) below: usize,
+    pub(super) share_below: f64,
+}
+
 impl Heights {
     /// Heights of a snapshot's levels; `None` unless it has unbounded fog that thins out in one direction.
     pub(super) fn of(snapshot: &Snapshot, ground: Option<&Ground>) -> Option<Self> {
@@ -91,7 +99,7 @@ impl Heights {
 
     /// Extinction at a place in world space, summed over channels, 1/m.
     pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
-        let (above, below, share_below) = self.between(world);
+        let Between { above, below, share_below } = self.between(world);
         let [above, below] = [above, below].map(|level| self.extinctions_per_m[level]);
         above + share_below * (below - above)
     }
@@ -106,19 +114,15 @@ impl Heights {
         self.heights_m.last().copied().filter(|_| self.has_ground)
     }
 
-    /// The levels above and below a place in world space, and the weight of the one below.
-    pub(super) fn between(&self, world: DVec3) -> (usize, usize, f64) {
+    pub(super) fn between(&self, world: DVec3) -> Between {
         let height_m = self.height_m(world);
         let below = self.heights_m.partition_point(|level| *level > height_m);
         let last = self.heights_m.len() - 1;
-        match below {
-            0 => (0, 0, 0.0),
-            below if below > last => (last, last, 0.0),
-            below => {
-                let (high, low) = (self.heights_m[below - 1], self.heights_m[below]);
-                (below - 1, below, (high - height_m) / (high - low))
-            }
+        if below == 0 || below > last {
+            return Between { above: below.min(last), below: below.min(last), share_below: 0.0 };
         }
+        let (high, low) = (self.heights_m[below - 1], self.heights_m[below]);
+        Between { above: below - 1, below, share_below: (high - height_m) / (high - low) }
     }
 
     /// Reflectance of the fog below the last level, if no ground ends it: that of a semi-infinite medium, by

@@ -3,7 +3,6 @@
 //! prefix sums of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
-use super::layers::Layers;
 use super::towards::Towards;
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -115,15 +114,15 @@ impl Depths {
     fn of(field: &Field, snapshot: &Snapshot) -> Self {
         let eye = snapshot.view.eye;
         let about_eye = |(low, high): (DVec3, DVec3)| (low - eye, high - eye);
-        let outermost_m = field.levels.last().map_or(0.0, |level| farthest_m(about_eye(level.volume())));
+        let outermost_m = field.levels.last().map_or(0.0, |level| farthest_m(about_eye(level.grid.volume())));
         let all_m = field.layers.as_ref().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
         let (start_m, end_m, step_m) = match field.levels.first() {
             Some(level) => {
-                let (low, high) = about_eye(level.volume());
-                (low.max(-high).max(DVec3::ZERO).length(), farthest_m((low, high)), level.cell_m())
+                let (low, high) = about_eye(level.grid.volume());
+                (low.max(-high).max(DVec3::ZERO).length(), farthest_m((low, high)), level.grid.cell_m)
             }
             None => {
-                let scale_m = field.layers.as_ref().map_or(1.0, Layers::scale_m);
+                let scale_m = field.layers.as_ref().map_or(1.0, |layers| layers.heights.scale_m);
                 (0.0, 2.0 * scale_m, 0.125 * scale_m)
             }
         };
@@ -310,7 +309,7 @@ impl<'a> Walk<'a> {
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let origin = snapshot.world_from_relative(ray.origin);
     let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));
-    let outermost_m = field.levels.last().map_or(0.0, |level| to_end(level.volume()));
+    let outermost_m = field.levels.last().map_or(0.0, |level| to_end(level.grid.volume()));
     let distance = if field.layers.as_ref().is_some() { distance } else { distance.min(outermost_m) };
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
     let is_even = field.layers.as_ref().is_none();

@@ -34,38 +34,21 @@ impl IntervalSet {
 
     /// Adds `[start, end]` and calls `gap(start, end)` for each part that no interval covered before, in
     /// order.
-    pub fn insert_and_tell(&mut self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
+    pub fn insert_and_tell(&mut self, start: f64, end: f64, gap: impl FnMut(f64, f64)) {
         // Anything but Less: a NaN is ignored, too.
         if start.partial_cmp(&end) != Some(Ordering::Less) {
             return;
         }
+        self.for_each_gap(start, end, gap);
         let first = self.intervals.partition_point(|interval| interval.1 < start);
-        let mut last = first;
-        let (mut merged_start, mut merged_end) = (start, end);
-        let mut cursor = start;
-        while let Some(&(other_start, other_end)) = self.intervals.get(last) {
-            if other_start > end {
-                break;
-            }
-            if other_start > cursor {
-                gap(cursor, other_start);
-            }
-            cursor = cursor.max(other_end);
-            merged_start = merged_start.min(other_start);
-            merged_end = merged_end.max(other_end);
-            last += 1;
+        let touched = self.intervals[first..].iter().take_while(|interval| interval.0 <= end).count();
+        if touched == 0 {
+            return self.intervals.insert(first, (start, end));
         }
-        if cursor < end {
-            gap(cursor, end);
-        }
-        match last - first {
-            0 => self.intervals.insert(first, (merged_start, merged_end)),
-            count => {
-                self.intervals[first] = (merged_start, merged_end);
-                if count > 1 {
-                    self.intervals.drain(first + 1..last);
-                }
-            }
+        let merged_end = self.intervals[first + touched - 1].1.max(end);
+        self.intervals[first] = (self.intervals[first].0.min(start), merged_end);
+        if touched > 1 {
+            self.intervals.drain(first + 1..first + touched);
         }
     }
 

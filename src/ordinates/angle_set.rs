@@ -243,7 +243,7 @@ impl<'a> AngleSet<'a> {
     fn cells(&mut self, direction: DVec3, sources: &SweepSource) {
         let products = OrientedExtinction::products(direction);
         for (oriented, &node) in
-            self.cross_sections.extinction.oriented().iter().zip(self.oriented_nodes.iter())
+            self.cross_sections.extinction.oriented.iter().zip(self.oriented_nodes.iter())
         {
             self.oriented_extinction[node] = oriented.along(&products);
         }
@@ -354,7 +354,7 @@ fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
 /// Nodes with cut links, by plane.
 fn cut_by_plane<'a>((grid, walls): (&Grid, &'a Walls), layout: Layout, planes: &Planes) -> Vec<Vec<Cut<'a>>> {
     let mut cut: Vec<Vec<Cut>> = (0..planes.count[0]).map(|_| Vec::new()).collect();
-    for links in walls.nodes() {
+    for links in &walls.nodes {
         let place = grid.cell_of(links.node);
         let [plane, row, column] = planes.axes.map(|axis| place[axis]);
         let here = (row + 1) * planes.row() + column + 1;

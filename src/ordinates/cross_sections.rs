@@ -48,7 +48,8 @@ pub(crate) struct Extinction {
     pub(crate) isotropic: [Vec<f32>; 3],
     /// Index into `oriented`, by node.
     oriented_at: Vec<u32>,
-    oriented: Vec<OrientedExtinction>,
+    /// In the order of [`CrossSections::oriented_nodes`].
+    pub(super) oriented: Vec<OrientedExtinction>,
 }
 
 /// Extinction at one node: that of isotropic scatterers, 1/m by channel, and that of oriented ones.
@@ -67,11 +68,6 @@ impl Extinction {
     pub(crate) fn at(&self, node: usize) -> NodeExtinction<'_> {
         let isotropic = [0, 1, 2].map(|channel: usize| self.isotropic[channel][node]);
         NodeExtinction { isotropic, oriented: self.oriented.get(self.oriented_at[node] as usize) }
-    }
-
-    /// Oriented extinction, in the order of [`CrossSections::oriented`].
-    pub(crate) fn oriented(&self) -> &[OrientedExtinction] {
-        &self.oriented
     }
 }
 

@@ -20,7 +20,8 @@ pub(super) const ORDINATES: usize = ALL_RINGS * STEPS;
 pub(super) struct DoubleGauss {
     /// Height of each ring's unit vectors, and its share of the heights of a half sphere.
     pub(super) rings: [(f64, f64); ALL_RINGS],
-    directions: Vec<DVec3>,
+    /// Unit vectors of travel.
+    pub(super) directions: Vec<DVec3>,
 }
 
 impl Default for DoubleGauss {
@@ -49,11 +50,6 @@ pub(super) fn angle(step: usize) -> f64 {
 }
 
 impl DoubleGauss {
-    /// Unit vectors of travel.
-    pub(super) fn directions(&self) -> &[DVec3] {
-        &self.directions
-    }
-
     /// Numbers of the downward directions.
     pub(super) fn downward() -> std::ops::Range<usize> {
         RINGS * STEPS..ORDINATES
@@ -92,7 +88,7 @@ mod tests {
     fn they_share_out_each_half_of_the_sphere() {
         let ordinates = DoubleGauss::default();
         let sum = |of: &dyn Fn(DVec3) -> f64, numbers: std::ops::Range<usize>| -> f64 {
-            numbers.map(|number| ordinates.weight(number) * of(ordinates.directions()[number])).sum()
+            numbers.map(|number| ordinates.weight(number) * of(ordinates.directions[number])).sum()
         };
         assert!((sum(&|_| 1.0, 0..ORDINATES) - 4.0 * PI).abs() < 1e-12);
         assert!((sum(&|direction| -direction.y, DoubleGauss::downward()) - PI).abs() < 1e-12);

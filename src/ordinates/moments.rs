@@ -86,17 +86,8 @@ impl Moments {
         (0..3).map(of_channel).sum()
     }
 
-    /// `self += other`.
-    pub(crate) fn add_nodes(&mut self, other: &NodeMoments) {
-        self.add_times(other, 1.0);
-    }
-
-    /// `self -= other`.
-    pub(crate) fn take_nodes(&mut self, other: &NodeMoments) {
-        self.add_times(other, -1.0);
-    }
-
-    fn add_times(&mut self, other: &NodeMoments, factor: f32) {
+    /// `self += factor * other`.
+    pub(crate) fn add_nodes(&mut self, other: &NodeMoments, factor: f32) {
         for channel in 0..3 {
             for index in 0..COUNT {
                 let sums = self.channel_mut(channel, index).iter_mut();

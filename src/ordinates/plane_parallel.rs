@@ -123,7 +123,7 @@ impl PlaneParallel {
         let of_channels = self.channels.each_ref().map(of_part);
         (0..ORDINATES).map(move |number| {
             let radiance = Rgb::from_array(of_channels.map(|radiances| radiances[number]));
-            (self.ordinates.directions()[number], self.ordinates.weight(number), radiance)
+            (self.ordinates.directions[number], self.ordinates.weight(number), radiance)
         })
     }
 
@@ -256,7 +256,7 @@ impl Solver<'_> {
     fn of_sky(&self) -> Vec<[f64; ORDINATES]> {
         let mut light = vec![[0.0; ORDINATES]; self.depths.len()];
         for number in DoubleGauss::downward() {
-            let travel = self.ordinates.directions()[number];
+            let travel = self.ordinates.directions[number];
             let mean = |directions: &[DVec3]| {
                 let sum: Rgb = directions.iter().map(|direction| (self.boundaries.sky)(*direction)).sum();
                 sum / directions.len() as f64
@@ -284,7 +284,7 @@ impl Solver<'_> {
         let sources = self.stack.levels.iter().zip(light).map(source).collect();
         let on_ground: f64 = light.last().map_or(0.0, |lowest| {
             let flux = |number: usize| {
-                -self.ordinates.directions()[number].y * self.ordinates.weight(number) * lowest[number]
+                -self.ordinates.directions[number].y * self.ordinates.weight(number) * lowest[number]
             };
             DoubleGauss::downward().map(flux).sum()
         });
@@ -302,14 +302,14 @@ impl Solver<'_> {
         light[levels - 1][up.clone()].fill(source.ground);
         // Ordinates of a ring have the same path through a layer.
         for ring in down.step_by(STEPS) {
-            let way = -self.ordinates.directions()[ring].y;
+            let way = -self.ordinates.directions[ring].y;
             for level in 1..levels {
                 let formal = formal(self.depths[level - 1] / way);
                 formal.cross(&mut light, &sources, (level - 1, level), ring..ring + STEPS);
             }
         }
         for ring in up.step_by(STEPS) {
-            let way = self.ordinates.directions()[ring].y;
+            let way = self.ordinates.directions[ring].y;
             for level in (1..levels).rev() {
                 let formal = formal(self.depths[level - 1] / way);
                 formal.cross(&mut light, &sources, (level, level - 1), ring..ring + STEPS);

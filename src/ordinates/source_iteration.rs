@@ -110,7 +110,7 @@ impl Problem<'_> {
             if let Some(own) = not_again {
                 let swept = self.sweep_emission(&mut sweeper, &emission);
                 let mut scattered = self.scatter(&swept.moments, true);
-                scattered.volume.take_nodes(&own);
+                scattered.volume.add_nodes(&own, -1.0);
                 if has_lit_walls {
                     scattered.walls.fill(Rgb::ZERO);
                 }
@@ -121,7 +121,7 @@ impl Problem<'_> {
                 source.add(&emission, [1.0; 3]);
             }
         }
-        not_again.iter().for_each(|own| later.volume.take_nodes(own));
+        not_again.iter().for_each(|own| later.volume.add_nodes(own, -1.0));
         let mut solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
         let emitted_radiances = emitted.as_mut().and_then(|swept| swept.radiances.take());
         if let Some(swept) = emitted.as_ref().filter(|_| !is_apart) {

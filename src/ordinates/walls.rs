@@ -99,7 +99,7 @@ pub(crate) struct Patch {
 
 /// All walls around a grid's nodes.
 pub(crate) struct Walls {
-    nodes: Vec<CutNode>,
+    pub(super) nodes: Vec<CutNode>,
     pub(crate) patches: Vec<Patch>,
     pub(crate) faces: Faces,
     pub(crate) occluders: Occluders,
@@ -123,10 +123,6 @@ impl Walls {
         let seen_by = |cut: &CutNode| (cut.node, cut.cut_links().map(normal_of).collect());
         let faces = Faces::new(grid.count(), nodes.iter().map(seen_by));
         Self { nodes, patches, faces, occluders: Occluders::new(grid, about_cell) }
-    }
-
-    pub(crate) fn nodes(&self) -> &[CutNode] {
-        &self.nodes
     }
 
     /// Whether some walls stand at an angle to others, and so light each other.

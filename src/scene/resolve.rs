@@ -10,9 +10,6 @@ use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 
 /// Resolves a description, without reports or a cache of bakes. `light_units` overrides the file's.
-///
-/// # Errors
-/// Returns all problems, if any of them is an error.
 pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
@@ -22,9 +19,6 @@ pub fn resolve(
 }
 
 /// Resolves a description on the current rayon pool; `baking` reports and caches falls.
-///
-/// # Errors
-/// Returns all problems, if any of them is an error.
 pub fn resolve_telling(
     description: Description,
     options: &ResolveOptions,

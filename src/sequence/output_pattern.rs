@@ -44,9 +44,6 @@ impl OutputPattern {
     }
 
     /// Parses a pattern for another extension or option.
-    ///
-    /// # Errors
-    /// As [`OutputPattern::parse`].
     pub fn parse_as(
         text: impl AsRef<OsStr>,
         sequence_name: &str,

@@ -38,9 +38,6 @@ impl From<Unread> for Fault {
 }
 
 /// Width and height of an image, as its header claims.
-///
-/// # Errors
-/// With the reason if the header is damaged or not supported.
 pub(in crate::inside::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, u32), Fault> {
     if let Some(unread) = Unread::of(bytes) {
         return Err(unread.into());
@@ -73,9 +70,6 @@ fn said(error: ::exr::error::Error) -> String {
 }
 
 /// Picture of an OpenEXR image, black outside its data window.
-///
-/// # Errors
-/// With the reason if it is damaged, not supported, or too large.
 pub(in crate::inside::description) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
     let meta = meta_of(bytes)?;
     check(&meta.headers, most_texels)?;

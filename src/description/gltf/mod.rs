@@ -259,18 +259,12 @@ impl GltfScene {
 }
 
 /// Loads a `.glb` or `.gltf` file with everything it refers to.
-///
-/// # Errors
-/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with all problems.
 pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     let bytes = files.read(path, None)?;
     parse(&bytes, path, files)
 }
 
 /// Parses the bytes of a file; other files that it refers to are read through `files`.
-///
-/// # Errors
-/// As [`load`].
 pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     let mut report = Report::new(path);
     let (mut document, binary) = container::open(bytes, path, &mut report)?;

@@ -79,9 +79,6 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
 }
 
 /// Loads a file that is the whole input. It may have no triangle, only points and lines.
-///
-/// # Errors
-/// [`LoadError`] if the file cannot be read.
 pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
     match Numbered::of(path) {
         Some(numbered) => sequence::read(&numbered, "the command line", files),

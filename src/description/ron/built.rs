@@ -22,9 +22,6 @@ pub struct BuiltScene {
 pub const BUILT: &str = "SceneBuilder";
 
 /// Validates the scene, and reads the files that it refers to.
-///
-/// # Errors
-/// [`LoadError`] with all problems, each with the path of its field; also if an image cannot be read.
 pub fn load_built(built: BuiltScene, files: &mut Files) -> Result<LoadedScene, LoadError> {
     let BuiltScene { mut file, triangles } = built;
     let (mut check, mut models) = (Check::default(), BTreeMap::new());

@@ -109,9 +109,6 @@ pub enum RonFile {
 }
 
 /// Reads a RON file of either kind; a scene with everything that it refers to.
-///
-/// # Errors
-/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
     match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => {
@@ -126,9 +123,6 @@ pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
 }
 
 /// Reads a RON scene with all files that it refers to.
-///
-/// # Errors
-/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => references::load(path, file, BTreeMap::new(), files),
@@ -142,9 +136,6 @@ pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadErr
 }
 
 /// Creates a scene of a single OBJ file, untransformed.
-///
-/// # Errors
-/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     let name = obj::name(path);
     let mesh_path = PathBuf::from(path.file_name().unwrap_or_default());

@@ -83,9 +83,6 @@ pub fn load(path: &Path) -> Result<Vec<Grid>, LoadError> {
 }
 
 /// Parses the grids of a file's bytes.
-///
-/// # Errors
-/// See [`load`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Grid>, LoadError> {
     let again = "write it again: Blender, Houdini and OpenVDB 3 or later write such files";
     grids(bytes).map_err(|Fault { at, what, remedy }| {

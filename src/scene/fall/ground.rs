@@ -14,7 +14,8 @@ const BLOCK: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Ground {
     level_m: f64,
-    highest_m: f64,
+    /// Maximum height.
+    pub(super) highest_m: f64,
     own: Meshes,
     /// Meshes of other grounds, used outside its own.
     others: Meshes,
@@ -40,11 +41,6 @@ impl Ground {
         let points = own.iter().chain(&others).flatten();
         let highest_m = points.map(|point| point.y).fold(level_m, f64::max);
         Self { level_m, highest_m, own: Meshes::new(own), others: Meshes::new(others) }
-    }
-
-    /// Maximum height.
-    pub(crate) fn highest_m(&self) -> f64 {
-        self.highest_m
     }
 
     /// Maximum height in a box of the x-z plane.
@@ -174,7 +170,7 @@ mod tests {
             let (x, z) = (20.0 * chance.at(0) - 10.0, 20.0 * chance.at(1) - 10.0);
             let height = ground.height_m(x, z);
             assert!((height - ((0.3 * x).sin() + 0.1 * z)).abs() < 1e-3, "{x} {z} {height}");
-            assert!(height <= ground.highest_m());
+            assert!(height <= ground.highest_m);
             let within = [0.0, 0.7].map(|half| {
                 let place = DVec2::new(x, z);
                 ground.highest_within(place - half, place + half)
@@ -202,6 +198,6 @@ mod tests {
         };
         let ground = Ground::new(0.0, vec![at(-1.0, 1.0)], vec![at(-1.0, 7.0), at(1.0, 2.0)]);
         let heights = [-1.0, 1.0, 3.0].map(|x| ground.height_m(x, 0.0));
-        assert_eq!((heights, ground.highest_m()), ([1.0, 2.0, 0.0], 7.0));
+        assert_eq!((heights, ground.highest_m), ([1.0, 2.0, 0.0], 7.0));
     }
 }

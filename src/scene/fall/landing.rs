@@ -22,7 +22,7 @@ fn is_high(leaf: &Leaf, ground: &Ground, [from, to]: [&Pose; 2]) -> bool {
         let (low, high) = (places[0].min(places[1]), places[0].max(places[1]));
         ground.highest_within(low - leaf.reach_m, high + leaf.reach_m)
     };
-    lowest_m > ground.highest_m() || lowest_m > within()
+    lowest_m > ground.highest_m || lowest_m > within()
 }
 
 /// Height of the centre at which no point of the outline is below the ground.

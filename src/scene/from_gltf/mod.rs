@@ -51,9 +51,6 @@ struct Builder<'a> {
 }
 
 /// Resolves a glTF file with these options.
-///
-/// # Errors
-/// Returns all problems, if any of them is an error.
 pub(super) fn resolve(
     mut source: GltfScene,
     options: &ResolveOptions,
