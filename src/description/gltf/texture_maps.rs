@@ -144,7 +144,7 @@ mod tests {
         let exported = TextureTransform {
             offset: [-0.858_851_075_718_289_9, -0.955_165_126_760_977_8],
             rotation: 0.5,
-            scale: [2.0, 2.0],
+            scale: Some([2.0, 2.0]),
             tex_coord: None,
         };
         let blender = DAffine2::from_scale_angle_translation(DVec2::splat(2.0), 0.5, DVec2::new(0.1, 0.2));
