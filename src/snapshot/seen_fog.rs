@@ -42,11 +42,33 @@ pub struct SeenFog {
     g: f64,
     /// Number of channels that differ: 1 or 3.
     channels: usize,
-    /// Values by ray, then step, then quantity, then channel, in parts of the value behind all fog.
-    /// Quantities are optical depth, and for each sun the scattered light without the phase function.
+    lines: Vec<Line>,
+    /// Values of one ray's line after the other, by step, then quantity, then channel, in parts of the value
+    /// behind all fog. Quantities are optical depth, and for each sun the scattered light without the phase
+    /// function.
     parts: Vec<u16>,
     /// What a part stands for, by ray, then quantity, then channel.
     of_part: Vec<f32>,
+}
+
+/// Location of a ray's values: from the last step at which all are 0 to the first at which none grows any
+/// more.
+#[derive(Clone, Copy)]
+struct Line {
+    /// Index of its first value.
+    first: u32,
+    /// Number of the lattice's steps before it.
+    skipped: u16,
+    /// Number of steps from the first to the last.
+    steps: u16,
+}
+
+impl Line {
+    /// Index of the first value at one of the lattice's steps, of which each has so many.
+    #[inline]
+    fn place(self, step: usize, of_step: usize) -> usize {
+        self.first as usize + of_step * step.saturating_sub(self.skipped.into()).min(self.steps.into())
+    }
 }
 
 impl SeenFog {
@@ -91,36 +113,28 @@ impl SeenFog {
     }
 
     fn on(lattice: FogLattice, snapshot: &Snapshot, (suns, g, channels): (&[DVec3], f64, usize)) -> Self {
-        let (medium, of_step) = (&snapshot.medium, channels * (1 + suns.len()));
+        let (of_step, columns) = (channels * (1 + suns.len()), lattice.columns);
         let of_ray = of_step * (lattice.steps + 1);
-        let rays = lattice.columns * lattice.rows;
-        let (mut parts, mut of_part) = (vec![0; rays * of_ray], vec![0.0; rays * of_step]);
-        let by_ray = parts.par_chunks_mut(of_ray).zip(of_part.par_chunks_mut(of_step));
-        by_ray.enumerate().for_each(|(number, (parts, of_part))| {
-            let ray = lattice.ray(number);
-            // Steps are clamped to the fog's range, as its density may be anything at the ends.
-            let (enter, leave) = medium.range(&ray, f64::INFINITY).unwrap_or_default();
-            let steps = lattice.places(&ray).into_iter().map(|place| place.min(leave).max(enter));
-            let places = with_middles(&steps.collect::<Vec<f64>>());
-            let before = medium.before_each(&ray, &places);
-            let mut put = |quantity: usize, values: &[Rgb]| {
-                for channel in 0..channels {
-                    let at = channels * quantity + channel;
-                    let part = values.last().map_or(0.0, |whole| whole[channel]) / PARTS;
-                    of_part[at] = part as f32;
-                    for (step, value) in parts.chunks_exact_mut(of_step).zip(values.iter().step_by(2)) {
-                        // On a ray without fog 0 / 0, which is cast to 0.
-                        step[at] = (value[channel] / part).round() as u16;
-                    }
-                }
+        // What no line comes to write takes no memory.
+        let mut parts = vec![0; lattice.rows * columns * of_ray];
+        let mut of_part = vec![0.0; lattice.rows * columns * of_step];
+        let row = |(row, (parts, of_part)): (usize, (&mut [u16], &mut [f32]))| {
+            let (mut all, mut end) = (vec![0; of_ray], 0);
+            let line = |(column, of_part): (usize, &mut [f32])| {
+                let ray = lattice.ray(row * columns + column);
+                put(&mut all, of_part, &sums(&lattice, &ray, snapshot, suns), channels);
+                let (skipped, steps) = changing(&all, of_step);
+                let kept = &all[of_step * skipped..][..of_step * (steps + 1)];
+                let first = (row * columns * of_ray + end) as u32;
+                parts[end..][..kept.len()].copy_from_slice(kept);
+                end += kept.len();
+                Line { first, skipped: skipped as u16, steps: steps as u16 }
             };
-            let depths = before.depths();
-            put(0, &depths);
-            for (sun, to_light) in suns.iter().enumerate() {
-                put(1 + sun, &before.sunlight(*to_light, &depths));
-            }
-        });
-        Self { lattice, suns: suns.to_vec(), g, channels, parts, of_part }
+            of_part.chunks_exact_mut(of_step).enumerate().map(line).collect::<Vec<_>>()
+        };
+        let by_row = parts.par_chunks_mut(columns * of_ray).zip(of_part.par_chunks_mut(columns * of_step));
+        let lines = by_row.enumerate().flat_map_iter(row).collect();
+        Self { lattice, suns: suns.to_vec(), g, channels, lines, parts, of_part }
     }
 
     /// Root mean square error of a ray between those of the lattice. Where values are smooth it is a third of
@@ -155,14 +169,52 @@ impl SeenFog {
 
     fn number(&self, ray: usize, step: usize, quantity: usize) -> f32 {
         let (of_step, at) = (self.of_step(), quantity * self.channels);
-        let part = self.parts[(ray * (self.lattice.steps + 1) + step) * of_step + at];
+        let part = self.parts[self.lines[ray].place(step, of_step) + at];
         self.of_part[ray * of_step + at] * f32::from(part)
     }
 
     /// A camera ray through it.
     pub fn along<'a>(&'a self, ray: &'a Ray) -> SeenRay<'a> {
-        SeenRay { fog: self, ray, between: self.lattice.between(ray) }
+        let between = self.lattice.between(ray);
+        SeenRay { fog: self, ray, lines: between.map(|(ray, _)| self.lines[ray]), between }
     }
+}
+
+/// Optical depth and sunlight up to each step of a ray, and to the middle between each two.
+fn sums(lattice: &FogLattice, ray: &Ray, snapshot: &Snapshot, suns: &[DVec3]) -> Vec<Vec<Rgb>> {
+    // Steps are clamped to the fog's range, as its density may be anything at the ends.
+    let (enter, leave) = snapshot.medium.range(ray, f64::INFINITY).unwrap_or_default();
+    let steps = lattice.places(ray).into_iter().map(|place| place.min(leave).max(enter));
+    let places = with_middles(&steps.collect::<Vec<f64>>());
+    let before = snapshot.medium.before_each(ray, &places);
+    let depths = before.depths();
+    let of_suns: Vec<_> = suns.iter().map(|to_light| before.sunlight(*to_light, &depths)).collect();
+    std::iter::once(depths).chain(of_suns).collect()
+}
+
+/// Puts a ray's sums at all steps, by step, as parts of the last.
+fn put(parts: &mut [u16], of_part: &mut [f32], sums: &[Vec<Rgb>], channels: usize) {
+    let of_step = of_part.len();
+    for (at, of_part) in of_part.iter_mut().enumerate() {
+        let (values, channel) = (&sums[at / channels], at % channels);
+        let part = values.last().map_or(0.0, |whole| whole[channel]) / PARTS;
+        *of_part = part as f32;
+        for (step, value) in parts.chunks_exact_mut(of_step).zip(values.iter().step_by(2)) {
+            // On a ray without fog 0 / 0, which is cast to 0.
+            step[at] = (value[channel] / part).round() as u16;
+        }
+    }
+}
+
+/// Last step at which all values are 0, and number of steps from there to the first of those that stay as
+/// they are.
+fn changing(values: &[u16], of_step: usize) -> (usize, usize) {
+    let steps: Vec<&[u16]> = values.chunks_exact(of_step).collect();
+    let last = steps.len() - 1;
+    let empty = steps.iter().take_while(|step| step.iter().all(|value| *value == 0)).count();
+    let whole = steps.iter().rev().take_while(|step| **step == steps[last]).count();
+    let skipped = empty.saturating_sub(1);
+    (skipped, (last + 1 - whole).saturating_sub(skipped))
 }
 
 /// Places, with the middle between each two: depths to a sun count as linear between places, and half a step
@@ -176,8 +228,9 @@ fn with_middles(places: &[f64]) -> Vec<f64> {
 pub struct SeenRay<'a> {
     fog: &'a SeenFog,
     ray: &'a Ray,
-    /// The rays around it, and their weights.
+    /// The rays around it, with their weights, and their lines.
     between: Between,
+    lines: [Line; 4],
 }
 
 impl SeenRay<'_> {
@@ -188,9 +241,9 @@ impl SeenRay<'_> {
         let (later, of_step) = ((step - first as f64) as f32, self.fog.of_step());
         let channel = |channel: usize| {
             let (at, mut sum) = (quantity * channels + channel, 0.0);
-            for &(ray, weight) in &self.between {
-                let start = (ray * (lattice.steps + 1) + first) * of_step + at;
-                let [here, next] = [start, start + of_step].map(|at| f32::from(parts[at]));
+            for (&(ray, weight), line) in self.between.iter().zip(&self.lines) {
+                let [here, next] =
+                    [first, first + 1].map(|step| f32::from(parts[line.place(step, of_step) + at]));
                 sum += weight * of_part[ray * of_step + at] * (here + later * (next - here));
             }
             f64::from(sum)
@@ -254,5 +307,17 @@ impl SeenRay<'_> {
         let t = place(low + ((wanted - at_low) / growth).clamp(0.0, 1.0));
         let density_per_m = growth / (place(high) - place(low)) * (before - wanted).exp() / lost;
         (density_per_m > 0.0).then_some((t, density_per_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_begins_before_the_fog_and_ends_behind_it() {
+        assert_eq!(changing(&[0, 0, 0, 0, 1, 0, 2, 5, 2, 5], 2), (1, 2));
+        assert_eq!(changing(&[0, 1, 2], 1), (0, 2));
+        assert_eq!(changing(&[0, 0, 0], 1), (2, 0));
     }
 }
