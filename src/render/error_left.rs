@@ -147,7 +147,7 @@ mod tests {
             let place = DVec2::new((column + 0.5) / shape.columns as f64, (row + 0.5) / shape.rows as f64);
             assert_eq!(shape.cell_at(place), cell);
             let light = [Rgb::ONE, Rgb::ZERO];
-            half.add(&Probe { place, weight: 1.0, walk: light, grid: light, drawn: 1 });
+            half.add(&Probe { place, weight: 1.0, walk: light, grid: light, drawn: 1, met: Vec::new() });
         }
         let shares = |sign: f64| {
             let none = Map::filled(shape, Rgb::ZERO);

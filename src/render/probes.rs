@@ -8,16 +8,16 @@ use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
-use crate::transport::{Branches, Component, Scratch, Transport};
+use crate::transport::{Branches, Component, MetPoint, Scratch, SunBeams, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Passes that have indirect light: of surfaces, and of fog.
 pub(super) const PASSES: usize = 2;
 
 /// Indirect light of one camera ray, by pass, W m^-2 sr^-1.
-#[derive(Clone, Copy)]
 pub(super) struct Probe {
     /// Place in the picture, `0..1` across and down.
     pub(super) place: DVec2,
@@ -27,12 +27,15 @@ pub(super) struct Probe {
     pub(super) grid: [Rgb; PASSES],
     /// Number of random points of the walk, as its length.
     pub(super) drawn: u32,
+    /// Surface points that the walk met, until beams of suns are learned.
+    pub(super) met: Vec<MetPoint>,
 }
 
-/// Density of probes, and the number of walks that branch off each.
+/// Density of probes, the number of walks that branch off each, and beams of suns that they look for.
 pub(super) struct Plan {
     pub(super) importance: Importance,
     pub(super) branches: Branches,
+    pub(super) beams: Option<Arc<SunBeams>>,
 }
 
 /// Probes of these numbers, distributed over the picture (Owen-scrambled Sobol points).
@@ -47,18 +50,21 @@ pub(super) fn probes(
     let by_grid = Transport { volume: Method::Segments.volume(job.bounces), ..by_walk };
     numbers
         .into_par_iter()
-        .map_init(Scratch::default, |scratch, number| {
-            let sampler = |column: u32| {
-                Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
-            };
-            let (place, weight) = plan.importance.sample(sampler(0).next_2d().into());
-            let ray = snapshot.view.ray(place.x, place.y);
-            let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
-                let (all, mut sampler) = (Component::Indirect(plan.branches), sampler(column));
-                let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
-                ([sample.indirect, sample.indirect_shafts], sampler.drawn())
-            });
-            Probe { place, weight, walk, grid, drawn }
-        })
+        .map_init(
+            || Scratch::with_beams(plan.beams.clone()),
+            |scratch, number| {
+                let sampler = |column: u32| {
+                    Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
+                };
+                let (place, weight) = plan.importance.sample(sampler(0).next_2d().into());
+                let ray = snapshot.view.ray(place.x, place.y);
+                let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
+                    let (all, mut sampler) = (Component::Indirect(plan.branches), sampler(column));
+                    let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
+                    ([sample.indirect, sample.indirect_shafts], sampler.drawn())
+                });
+                Probe { place, weight, walk, grid, drawn, met: scratch.take_met() }
+            },
+        )
         .collect()
 }

@@ -26,6 +26,8 @@ mod sky_light;
 pub mod slices;
 mod specular;
 mod stack;
+mod sun_beams;
+mod sun_spots;
 mod turn;
 mod visibility;
 
@@ -35,3 +37,4 @@ pub use lit_segments::lit_segments;
 pub use path::{MarchSteps, Scratch, Transport, VolumeMethod};
 pub use radiance::{Component, OneLight, radiance};
 pub use sample::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};
+pub use sun_beams::{MetPoint, SunBeams};

@@ -2,6 +2,7 @@
 //! these, draws random numbers and uses the thread's scratch memory. Invariant: a path belongs to one thread.
 
 use super::branches::Branches;
+use super::sun_beams::{MetPoint, SunBeams};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
@@ -10,6 +11,7 @@ use crate::math::{Ray, Sampler};
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SeenRay, Snapshot, SurfacePoint};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Places of the shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +65,22 @@ pub struct Transport<'a> {
 pub struct Scratch {
     pub(super) lit: LitSegments,
     pub(super) lights: Vec<FrozenLight>,
+    /// Beams that random walks look for; `None` until they are learned.
+    pub(super) beams: Option<Arc<SunBeams>>,
+    /// Surface points that walks met until then.
+    pub(super) met: Vec<MetPoint>,
+}
+
+impl Scratch {
+    /// Memory of walks that look for beams of suns.
+    pub fn with_beams(beams: Option<Arc<SunBeams>>) -> Self {
+        Self { beams, ..Self::default() }
+    }
+
+    /// Surface points that walks met since the last time, until beams are learned.
+    pub fn take_met(&mut self) -> Vec<MetPoint> {
+        std::mem::take(&mut self.met)
+    }
 }
 
 /// Light that a path follows: a picture may be a sum with one picture for each light.

@@ -20,6 +20,7 @@ use super::lobes::Lobes;
 use super::march;
 use super::path::{Illumination, Path};
 use super::sky_light;
+use super::sun_spots;
 use super::turn::Turn;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
@@ -115,7 +116,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let legs = most + u32::from(glows);
     for number in 1..=legs {
         let Some(vertex) = leg.next_vertex(path, &mut sum, number <= most) else { break };
-        sum += leg.throughput * vertex.met(path, leg.turn);
+        sum += leg.throughput * vertex.met(path, &leg);
         if number == legs {
             break;
         }
@@ -221,17 +222,17 @@ impl Vertex {
 
     /// Radiance that a walk meets after its turn, in fog per metre: emission, and light that was not
     /// scattered before.
-    fn met(&self, path: &mut Path, turn: Option<Turn>) -> Rgb {
+    fn met(&self, path: &mut Path, &Leg { turn, throughput, .. }: &Leg) -> Rgb {
         let snapshot = path.snapshot;
-        let suns = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
         match self {
             Self::Surface(point) => {
-                let of_suns: Rgb = suns.map(|sun| direct::of_light(snapshot, sun, point)).sum();
+                let of_suns = sun_spots::met(path, (turn, throughput), point);
                 let of_lamps = lamp_spots::met(path, turn, point);
                 glow::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
             }
             Self::Fog(ray, _) => {
                 // Light of lamps was sampled along the leg.
+                let suns = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
                 let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
                 of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
             }
@@ -294,6 +295,7 @@ impl Vertex {
 fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     glow::scattered(path, receiver, collision)
         + lamp_spots::scattered(path, receiver)
+        + sun_spots::scattered(path, receiver)
         + lamp_fog::scattered(path, receiver)
 }
 

@@ -1,0 +1,121 @@
+//! Beams of suns that light what random walks see: where they pass is learned from walks. In go sunlit points
+//! that walks met, out come rays of suns and the density of their ends. Invariant: a ray begins above every
+//! point whose density is positive, so that it ends there if the point is in the sun.
+
+use crate::math::{KdDensity, Ray};
+use crate::snapshot::FrozenLight;
+use glam::{DVec2, DVec3};
+
+/// Maximum share of points in the sun, among those that walks met, for which beams are worth their rays.
+/// Where more is in the sun, walks find it soon.
+const MOST_SUNLIT: f64 = 0.1;
+/// Minimum number of points in the sun from which a beam is learned.
+const FEWEST: usize = 32;
+/// Margin above the points, as a share of their extent along the beam.
+const ABOVE: f64 = 0.01;
+
+/// Surface point that a walk met.
+#[derive(Clone, Copy, Debug)]
+pub struct MetPoint {
+    /// Index of the sun among the snapshot's lights.
+    pub(super) light: usize,
+    pub(super) position: DVec3,
+    /// Luminance of the sun's light that it gave the walk.
+    pub(super) luminance: f64,
+}
+
+/// Beams of all suns that are worth it.
+#[derive(Clone, Debug, Default)]
+pub struct SunBeams(Vec<Beam>);
+
+/// Part of a sun's light. Its plane is at right angles to the middle of the sun, above all of its points.
+#[derive(Clone, Debug)]
+pub(super) struct Beam {
+    /// Index among the snapshot's lights.
+    pub(super) light: usize,
+    /// Probability of choosing it.
+    chance: f64,
+    /// Unit vectors in the plane, and towards the sun.
+    axes: [DVec3; 3],
+    /// Height of the plane along the last axis, metres.
+    height: f64,
+    /// Density of rays in the plane, 1/m^2.
+    density: KdDensity,
+}
+
+impl SunBeams {
+    /// Beams to where walks met the sun; none where they meet it often. `to_sun` has the direction of a light
+    /// that is a sun.
+    pub fn learned(met: &[MetPoint], to_sun: impl Fn(usize) -> Option<DVec3>) -> Self {
+        let count = met.iter().map(|point| point.light + 1).max().unwrap_or(0);
+        let beam = |light: usize| {
+            let (mut points, mut all) = (Vec::new(), 0_usize);
+            for point in met.iter().filter(|point| point.light == light) {
+                all += 1;
+                points.extend((point.luminance > 0.0).then_some(*point));
+            }
+            let is_worth = points.len() >= FEWEST && (points.len() as f64) < MOST_SUNLIT * all as f64;
+            Beam::through(light, &points, to_sun(light).filter(|_| is_worth)?)
+        };
+        let mut beams: Vec<Beam> = (0..count).filter_map(beam).collect();
+        let sum: f64 = beams.iter().map(|beam| beam.chance).sum();
+        for beam in &mut beams {
+            beam.chance /= sum;
+        }
+        Self(beams)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Beam that a uniform number chooses.
+    pub(super) fn choose(&self, mut u: f64) -> Option<&Beam> {
+        let chosen = self.0.iter().find(|beam| {
+            u -= beam.chance;
+            u < 0.0
+        });
+        chosen.or(self.0.last())
+    }
+
+    /// The beam of a light.
+    pub(super) fn of(&self, light: usize) -> Option<&Beam> {
+        self.0.iter().find(|beam| beam.light == light)
+    }
+}
+
+impl Beam {
+    fn through(light: usize, points: &[MetPoint], to_sun: DVec3) -> Option<Self> {
+        let (right, up) = to_sun.any_orthonormal_pair();
+        let axes = [right, up, to_sun];
+        let placed = |point: &MetPoint| {
+            let at = point.position;
+            (DVec2::new(at.dot(right), at.dot(up)), point.luminance)
+        };
+        let along = points.iter().map(|point| point.position.dot(to_sun));
+        let (low, high) =
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let density = KdDensity::of(points.iter().map(placed).collect())?;
+        let chance = points.iter().map(|point| point.luminance).sum();
+        Some(Self { light, chance, axes, height: high + ABOVE * (high - low), density })
+    }
+
+    /// Ray from a point of the sun that two uniform numbers sample.
+    pub(super) fn ray(&self, to_light: DVec3, u: DVec2) -> Ray {
+        let ([right, up, to_sun], at) = (self.axes, self.density.sample(u));
+        Ray { origin: at.x * right + at.y * up + self.height * to_sun, direction: -to_light }
+    }
+
+    /// Probability density with which rays from a point of the sun meet an unoccluded point, 1/m^2.
+    pub(super) fn per_m2(&self, light: &FrozenLight, position: DVec3, normal: DVec3) -> f64 {
+        let FrozenLight::Sun { to_light, .. } = light else { return 0.0 };
+        let [right, up, to_sun] = self.axes;
+        let (below, cos) = (self.height - position.dot(to_sun), to_light.dot(to_sun));
+        if below < 0.0 || cos <= 0.0 {
+            return 0.0;
+        }
+        let in_plane = position + *to_light * (below / cos);
+        let per_m2 = self.density.pdf(DVec2::new(in_plane.dot(right), in_plane.dot(up)));
+        self.chance * per_m2 * to_light.dot(normal).abs() / cos
+    }
+}
