@@ -8,6 +8,7 @@ use crate::indirect::{
 };
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::indirect::{Indirect, KeptLight};
 use sunfleck::math::Sampler;
@@ -17,8 +18,10 @@ use sunfleck::scene::{
     AlphaMode, AreaShape, Bounces, Clearcoat, Coat, LightKind, Material, Mesh, PixelFilter, Sampling, Scene,
     Sheen, Size, Sky, SkyPicture, Track, Triangle, Window,
 };
-use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
-use sunfleck::transport::{Branches, Component, Sample, Scratch, Transport, VolumeMethod, radiance};
+use sunfleck::snapshot::{Exposure, FrozenLight, MeshTrees, Snapshot};
+use sunfleck::transport::{
+    Branches, Component, Sample, Scratch, SunBeams, Transport, VolumeMethod, radiance,
+};
 
 /// Along each side of the picture.
 const RAYS: u32 = 6;
@@ -661,6 +664,46 @@ fn branches_are_as_bright_as_one_walk() {
         assert!((one - many).abs() < SIGMAS * error.hypot(less));
         assert!(less < most * error, "{less} is no less noise than {error}");
     }
+}
+
+/// A room that the sun enters through a hole: walks that look for where it falls are as bright, with less noise.
+#[test]
+fn walks_that_look_for_the_sun_are_as_bright() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let grey = || Material { base_color: Rgb::splat(0.7), ..Material::default() };
+    for side in [-1.1, 1.0] {
+        add_box(&mut scene, DVec3::new(side, -1.0, -1.0), DVec3::new(side + 0.1, 1.0, 1.0), grey());
+        add_box(&mut scene, DVec3::new(-1.1, -1.0, side), DVec3::new(1.1, 1.0, side + 0.1), grey());
+    }
+    add_box(&mut scene, DVec3::new(-1.1, -1.1, -1.1), DVec3::new(1.1, -1.0, 1.1), grey());
+    for [low, high] in [[-1.1, -0.1], [0.1, 1.1]] {
+        add_box(&mut scene, DVec3::new(-1.1, 1.0, low), DVec3::new(1.1, 1.1, high), grey());
+        add_box(&mut scene, DVec3::new(low, 1.0, -0.1), DVec3::new(high, 1.1, 0.1), grey());
+    }
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, 0.5), Rgb::splat(10.0));
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let (transport, light) = (by_paths(Bounces::All), Component::Indirect(Branches::ONE));
+    let of_seed = |seed, scratch: &mut Scratch| {
+        let of_ray = |number| {
+            let (x, y) = Sampler::new(seed, 0, 0, number).next_2d();
+            let (ray, mut sampler) = (snapshot.view.ray(x, y), Sampler::new(seed, 1, 0, number));
+            transport.radiance_of(light, &snapshot, &ray, &mut sampler, scratch).indirect
+        };
+        (0..1024).map(of_ray).sum::<Rgb>() / 1024.0
+    };
+    let means = |scratch: &mut Scratch| {
+        mean_and_error(&(0..SEEDS).map(|seed| of_seed(seed, scratch)).collect::<Vec<_>>())
+    };
+    let mut first = Scratch::default();
+    let (expected, error) = means(&mut first);
+    let beams = SunBeams::learned(&first.take_met(), |light| match snapshot.lights[light].centre() {
+        FrozenLight::Sun { to_light, .. } => Some(to_light),
+        FrozenLight::Point { .. } => None,
+    });
+    let (found, less) = means(&mut Scratch::with_beams(Some(Arc::new(beams))));
+    println!("by the sun's rays {found:.4} +- {less:.4}, by walks alone {expected:.4} +- {error:.4}");
+    assert!((found - expected)[0].abs() < SIGMAS * error[0].hypot(less[0]), "{found} for {expected}");
+    assert!(less[0] < 0.7 * error[0], "{less} is no less noise than {error}");
 }
 
 /// Nothing but plain ground and fog without bounds: the layers of these know nothing of a lamp.
