@@ -171,9 +171,9 @@ impl Job {
     pub fn memory_bytes(&self) -> usize {
         /// Frames in memory: the sum so far, the one that is added to it, and one that is being written.
         const FRAMES: usize = 3;
-        // A frame has a channel in single precision for each of a film's sums in double.
+        // A frame has a channel of four bytes for each of a film's sums of five.
         let of_pixel = Film::bytes_per_pixel(&self.passes);
-        self.window.width * self.window.height * (of_pixel + FRAMES * of_pixel / 2)
+        self.window.width * self.window.height * (of_pixel + FRAMES * of_pixel * 4 / 5)
     }
 
     /// Settings by which rays are followed.

@@ -3,6 +3,7 @@
 //! and no others, as the halves of a single pixel may agree by chance.
 
 use super::Film;
+use super::pixel_sum::{PixelSum, value};
 use super::smooth::{FogPlanes, Smoothed};
 use crate::color::{Rgb, luminance};
 use crate::scene::Window;
@@ -38,14 +39,16 @@ impl Film {
     /// Halves that complete one another err in opposite directions, and the value is better than that.
     pub fn estimate(&self, (x, y): (usize, usize)) -> Option<PixelEstimate> {
         let pixel = self.window.index(x, y)?;
-        let (all, sums) = (self.weights[pixel], &self.sums[pixel * self.stride()..]);
-        let [fresh, red, green, blue] = self.fresh[pixel];
-        let (sum, fresh_sum) = (Rgb::new(sums[0], sums[1], sums[2]), Rgb::new(red, green, blue));
+        let all = value(&self.weights[pixel]);
+        let color = |sums: &[PixelSum]| Rgb::from_array([0, 1, 2].map(|channel| value(&sums[channel])));
+        let [fresh, fresh_sum @ ..] = &self.fresh[pixel];
+        let (sum, fresh, fresh_sum) =
+            (color(&self.sums[pixel * self.stride()..]), value(fresh), color(fresh_sum));
         let known = all - fresh;
-        let [hues, fresh_hues] = self.hues.get(pixel).copied().unwrap_or_default();
+        let hues = self.hues.get(pixel).copied().unwrap_or_default();
         let variance = (known > 0.0 && fresh > 0.0).then(|| {
-            let known_sum = sum - fresh_sum + hues.without(&fresh_hues).missing(known);
-            let difference = known_sum / known - (fresh_sum + fresh_hues.missing(fresh)) / fresh;
+            let [of_known, of_fresh] = hues.missing_of_halves(known, fresh);
+            let difference = (sum - fresh_sum + of_known) / known - (fresh_sum + of_fresh) / fresh;
             luminance(difference * difference) * known * fresh / (all * all)
         });
         (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + hues.missing(all)) / all, variance })
@@ -87,8 +90,9 @@ impl Film {
     pub(super) fn fog_planes(&self, part: Window) -> FogPlanes {
         let plane = |channel: usize| -> Vec<f32> {
             let mean = |(x, y): (usize, usize)| {
-                let pixel = self.window.index(x, y).filter(|&pixel| self.weights[pixel] > 0.0);
-                pixel.map_or(0.0, |pixel| (f64::from(self.fog[pixel][channel]) / self.weights[pixel]) as f32)
+                let Some(pixel) = self.window.index(x, y) else { return 0.0 };
+                let weight = value(&self.weights[pixel]);
+                if weight > 0.0 { (f64::from(self.fog[pixel][channel]) / weight) as f32 } else { 0.0 }
             };
             part.pixels().map(mean).collect()
         };

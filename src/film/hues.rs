@@ -6,61 +6,72 @@
 //! the whole sun is 1, so the error of the sampled mean is known. The light's contribution is corrected by
 //! it, channel by channel.
 
+use super::pixel_sum::{self, PixelSum};
 use crate::color::Rgb;
 use crate::transport::Sample;
 
 /// Packed numbers of a sample.
 pub(super) const PACKED: usize = 9;
 
-/// A pixel's weighted sums.
+/// A pixel's weighted sums of colours. Those of all samples: hue, then the light's radiance without and with
+/// it, then the part of that which was scattered in fog, without and with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HueSums {
-    hue: Rgb,
-    /// Radiance of the light, without hues, and with them.
-    plain: Rgb,
-    hued: Rgb,
-    /// Part that was scattered in fog, without and with hues.
-    plain_shafts: Rgb,
-    hued_shafts: Rgb,
+    all: [[PixelSum; 3]; 5],
+    /// The first of these of the fresh half alone, by which the pixel is judged.
+    fresh: [[PixelSum; 3]; 3],
 }
 
 impl HueSums {
+    /// Adds the sums of another film's pixel.
     pub(super) fn add(&mut self, other: &Self) {
-        self.hue += other.hue;
-        self.plain += other.plain;
-        self.hued += other.hued;
-        self.plain_shafts += other.plain_shafts;
-        self.hued_shafts += other.hued_shafts;
+        let sums = self.all.iter_mut().chain(&mut self.fresh);
+        sums.zip(other.all.iter().chain(&other.fresh)).for_each(|(sums, added)| add(sums, values(*added)));
     }
 
     /// Adds the packed numbers of a sample.
-    pub(super) fn add_packed(&mut self, packed: &[f32], weight: f64) {
+    pub(super) fn add_packed(&mut self, is_fresh: bool, packed: &[f32], weight: f64) {
         let color = |at: usize| Rgb::from_array([0, 1, 2].map(|i| f64::from(packed[at + i])));
         let (hue, plain, plain_shafts) = (color(0), weight * color(3), weight * color(6));
-        let (hued, hued_shafts) = (hue * plain, hue * plain_shafts);
-        self.add(&Self { hue: weight * hue, plain, hued, plain_shafts, hued_shafts });
+        let colors = [weight * hue, plain, hue * plain, plain_shafts, hue * plain_shafts];
+        self.all.iter_mut().zip(colors).for_each(|(sums, color)| add(sums, color));
+        if is_fresh {
+            self.fresh.iter_mut().zip(colors).for_each(|(sums, color)| add(sums, color));
+        }
     }
 
-    /// Difference of two sums.
-    pub(super) fn without(&self, part: &Self) -> Self {
-        Self {
-            hue: self.hue - part.hue,
-            plain: self.plain - part.plain,
-            hued: self.hued - part.hued,
-            plain_shafts: self.plain_shafts - part.plain_shafts,
-            hued_shafts: self.hued_shafts - part.hued_shafts,
-        }
+    /// Lets the fresh half be known.
+    pub(super) fn clear_fresh(&mut self) {
+        self.fresh = Default::default();
     }
 
     /// Correction to add to the weighted radiance of samples, whose light has no hue yet.
     pub(super) fn missing(&self, weight: f64) -> Rgb {
-        by_all_hues(self.plain, self.hued, self.hue / weight) - self.plain
+        let [hue, plain, hued, ..] = self.all.map(values);
+        by_all_hues(plain, hued, hue / weight) - plain
+    }
+
+    /// The same for the known half, and for the fresh one.
+    pub(super) fn missing_of_halves(&self, known: f64, fresh: f64) -> [Rgb; 2] {
+        let ([hue, plain, hued, ..], of_fresh) = (self.all.map(values), self.fresh.map(values));
+        let of_known = [hue - of_fresh[0], plain - of_fresh[1], hued - of_fresh[2]];
+        [(of_known, known), (of_fresh, fresh)]
+            .map(|([hue, plain, hued], weight)| by_all_hues(plain, hued, hue / weight) - plain)
     }
 
     /// Correction to add to the part that was scattered in fog.
     pub(super) fn missing_shafts(&self, weight: f64) -> Rgb {
-        by_all_hues(self.plain_shafts, self.hued_shafts, self.hue / weight) - self.plain_shafts
+        let [hue, _, _, plain, hued] = self.all.map(values);
+        by_all_hues(plain, hued, hue / weight) - plain
     }
+}
+
+fn values(sums: [PixelSum; 3]) -> Rgb {
+    Rgb::from_array(sums.map(|sum| pixel_sum::value(&sum)))
+}
+
+fn add(sums: &mut [PixelSum; 3], color: Rgb) {
+    sums.iter_mut().zip(color.to_array()).for_each(|(sum, added)| pixel_sum::add(sum, added));
 }
 
 /// Estimate under the whole light from points with the mean hue `hue`.
@@ -87,13 +98,13 @@ pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
 /// Corrects the red, green and blue of a picture whose samples have the total `weights`, by `missing`.
 pub(super) fn correct<'a>(
     planes: impl Iterator<Item = &'a mut Vec<f32>>,
-    hues: &[[HueSums; 2]],
-    weights: &[f64],
+    hues: &[HueSums],
+    weights: &[PixelSum],
     missing: fn(&HueSums, f64) -> Rgb,
 ) {
     for (number, plane) in planes.enumerate() {
-        let known = plane.iter_mut().zip(hues).zip(weights).filter(|(_, weight)| **weight > 0.0);
-        for ((value, [sums, _]), &weight) in known {
+        let known = plane.iter_mut().zip(hues).zip(weights.iter().map(pixel_sum::value));
+        for ((value, sums), weight) in known.filter(|(_, weight)| *weight > 0.0) {
             *value = (f64::from(*value) + missing(sums, weight)[number] / weight) as f32;
         }
     }

@@ -1,6 +1,7 @@
 //! Cryptomatte's ids and coverages of pixels. In go ids with shares of samples, out come ranked channels.
 //! Invariant: an id occurs once in a pixel's list, and none is dropped before ranking.
 
+use super::pixel_sum::{self, PixelSum};
 use super::{Channel, Precision};
 use crate::passes::MATTE_LAYER;
 use crate::transport::{MATTES_OF_A_SAMPLE, Matte};
@@ -55,7 +56,7 @@ pub(super) fn packed(mattes: &[Matte; MATTES_OF_A_SAMPLE]) -> [f32; PACKED] {
 
 /// Channels of a film's pixels, whose samples have the total `weights`: `CryptoObject00.RGBA` and so on, with
 /// an id and its coverage in each pair (Cryptomatte specification 1.2.0).
-pub(super) fn channels(lists: &[MatteList], weights: &[f64]) -> Vec<Channel> {
+pub(super) fn channels(lists: &[MatteList], weights: &[PixelSum]) -> Vec<Channel> {
     let names = (0..LAYERS).flat_map(|layer| "RGBA".chars().map(move |letter| (layer, letter)));
     let mut channels: Vec<Channel> = names
         .map(|(layer, letter)| {
@@ -66,7 +67,7 @@ pub(super) fn channels(lists: &[MatteList], weights: &[f64]) -> Vec<Channel> {
     for (pixel, (list, weight)) in lists.iter().zip(weights).enumerate() {
         for (rank, (id, sum)) in list.ranked().into_iter().take(2 * LAYERS).enumerate() {
             channels[2 * rank].pixels[pixel] = f32::from_bits(id);
-            channels[2 * rank + 1].pixels[pixel] = (sum / weight) as f32;
+            channels[2 * rank + 1].pixels[pixel] = (sum / pixel_sum::value(weight)) as f32;
         }
     }
     channels

@@ -13,6 +13,7 @@ mod hues;
 mod mask;
 mod mattes;
 mod pass_value;
+mod pixel_sum;
 mod resolve;
 mod smooth;
 mod splats;
@@ -24,6 +25,7 @@ use crate::scene::{Size, Window};
 use crate::transport::Sample;
 use hues::HueSums;
 use mattes::MatteList;
+use pixel_sum::PixelSum;
 use rayon::prelude::*;
 use splats::{Band, KeptPasses, MOST_CHANNELS};
 
@@ -43,11 +45,11 @@ pub struct Film {
     window: Window,
     passes: KeptPasses,
     /// Sum of a pixel's weights; 0 without samples.
-    weights: Vec<f64>,
+    weights: Vec<PixelSum>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
-    sums: Vec<f64>,
+    sums: Vec<PixelSum>,
     /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
-    fresh: Vec<[f64; 4]>,
+    fresh: Vec<[PixelSum; 4]>,
     /// Sums for smoothing shafts: their weighted red, green and blue, and weighted transmittance, the mean
     /// over the channels. Empty without smoothing.
     fog: Vec<[f32; 4]>,
@@ -55,16 +57,16 @@ pub struct Film {
     nearest_distances_px: Vec<f32>,
     /// Values of that sample in the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
-    /// Sums of hues of each pixel's samples, of all and of the fresh half; empty if the light has no hues.
-    hues: Vec<[HueSums; 2]>,
+    /// Sums of hues of each pixel's samples; empty if the light has no hues.
+    hues: Vec<HueSums>,
     /// Objects that cover each pixel; empty without Cryptomatte.
     mattes: Vec<MatteList>,
 }
 
 /// Zeros in memory that was written once. Otherwise the first addition would fault twice a page: for a shared
 /// page of zeros on the read, then for a page of its own on the write.
-fn written_zeros(count: usize) -> Vec<f64> {
-    std::iter::repeat_n(std::hint::black_box(0.0), count).collect()
+fn written_zeros(count: usize) -> Vec<PixelSum> {
+    std::iter::repeat_n(std::hint::black_box(PixelSum::default()), count).collect()
 }
 
 impl Film {
@@ -91,11 +93,11 @@ impl Film {
             window,
             weights: written_zeros(pixels),
             sums: written_zeros(pixels * passes.mean_channels()),
-            fresh: vec![[0.0; 4]; pixels],
+            fresh: vec![Default::default(); pixels],
             fog: vec![[0.0; 4]; if passes.fog { pixels } else { 0 }],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
-            hues: vec![[HueSums::default(); 2]; if passes.hues { pixels } else { 0 }],
+            hues: vec![HueSums::default(); if passes.hues { pixels } else { 0 }],
             mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
             passes,
         }
@@ -109,11 +111,10 @@ impl Film {
     /// Approximate bytes that a pixel takes in a film with these passes.
     pub fn bytes_per_pixel(passes: &[Pass]) -> usize {
         let kept = KeptPasses::new(passes, true);
-        let sums =
-            size_of::<f64>() * (1 + kept.mean_channels()) + size_of::<[f64; 4]>() + size_of::<[f32; 4]>();
+        let sums = size_of::<PixelSum>() * (1 + kept.mean_channels() + 4) + size_of::<[f32; 4]>();
         let nearest = size_of::<f32>() * (1 + kept.nearest_channels());
         let mattes = if kept.mattes { size_of::<MatteList>() } else { 0 };
-        sums + nearest + mattes + 2 * size_of::<HueSums>()
+        sums + nearest + mattes + size_of::<HueSums>()
     }
 
     /// Rectangle of the picture that this film covers.
@@ -147,10 +148,8 @@ impl Film {
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
         for (index, (x, y)) in self.window.pixels().enumerate() {
             if pixels.contains(x, y) {
-                self.fresh[index] = [0.0; 4];
-                if let Some([_, fresh]) = self.hues.get_mut(index) {
-                    *fresh = HueSums::default();
-                }
+                self.fresh[index] = Default::default();
+                self.hues.get_mut(index).into_iter().for_each(HueSums::clear_fresh);
             }
         }
     }
@@ -212,19 +211,16 @@ impl Film {
         let nearest_stride = self.passes.nearest_channels();
         for (from, (x, y)) in part.window.pixels().enumerate() {
             let Some(to) = self.window.index(x, y) else { continue };
-            self.weights[to] += part.weights[from];
-            for (sum, added) in self.fresh[to].iter_mut().zip(part.fresh[from]) {
-                *sum += added;
-            }
-            let added = &part.sums[from * stride..(from + 1) * stride];
-            for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
-                *sum += added;
+            let sums = self.sums[to * stride..][..stride].iter_mut().chain(&mut self.fresh[to]);
+            let added = part.sums[from * stride..][..stride].iter().chain(&part.fresh[from]);
+            for (sum, added) in sums.chain([&mut self.weights[to]]).zip(added.chain([&part.weights[from]])) {
+                pixel_sum::add(sum, pixel_sum::value(added));
             }
             if let (Some(sums), Some(added)) = (self.fog.get_mut(to), part.fog.get(from)) {
                 sums.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
             }
             if let (Some(sums), Some(added)) = (self.hues.get_mut(to), part.hues.get(from)) {
-                sums.iter_mut().zip(added).for_each(|(sum, added)| sum.add(added));
+                sums.add(added);
             }
             if let (Some(list), Some(added)) = (self.mattes.get_mut(to), part.mattes.get(from)) {
                 list.append(added);
@@ -240,7 +236,7 @@ impl Film {
 
     /// Total weight: the number of samples, if each has weight 1.
     pub fn weight(&self) -> f64 {
-        self.weights.iter().sum()
+        self.weights.iter().map(pixel_sum::value).sum()
     }
 
     /// Number of sums a pixel.

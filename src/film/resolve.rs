@@ -3,6 +3,7 @@
 
 use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
+use super::pixel_sum::value;
 use super::smooth::{self, FogPlanes};
 use super::{Channel, Film, Frame, Precision, holes, mattes};
 use crate::color::Rgb;
@@ -12,7 +13,7 @@ impl Film {
     /// Pixels of the full picture without samples; [`Film::resolve`] would fill them from their neighbours.
     pub fn holes(&self) -> Vec<(usize, usize)> {
         let pixels = self.window.pixels().zip(&self.weights);
-        pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
+        pixels.filter(|(_, weight)| value(weight) == 0.0).map(|(pixel, _)| pixel).collect()
     }
 
     /// Finished picture; see [`Film::resolve`]. The film's memory is freed on the way.
@@ -87,7 +88,7 @@ impl Film {
     }
 
     fn fill_from_neighbours(&self, channels: &mut [Channel], mean_channels: usize) {
-        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
+        let known = self.weights.iter().map(|weight| value(weight) != 0.0).collect();
         holes::fill(self.window, known, channels, mean_channels);
     }
 
@@ -97,9 +98,9 @@ impl Film {
         let names = beauty.chain(names(&self.passes.mean)).enumerate();
         let mean = move |(offset, (name, precision))| {
             let sums = self.sums.iter().skip(offset).step_by(self.passes.mean_channels());
-            let mean =
-                |(&sum, &weight): (&f64, &f64)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 };
-            Channel::new(name, precision, sums.zip(&self.weights).map(mean).collect())
+            let sums = sums.map(value).zip(self.weights.iter().map(value));
+            let mean = |(sum, weight)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 };
+            Channel::new(name, precision, sums.map(mean).collect())
         };
         names.map(mean)
     }

@@ -5,6 +5,7 @@ use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
 use super::mattes::{self, MatteList};
 use super::pass_value::value;
+use super::pixel_sum::{self, PixelSum};
 use crate::passes::Pass;
 use crate::passes::PixelRule;
 use crate::scene::Window;
@@ -163,13 +164,13 @@ impl Splats {
 /// Neighbouring pixels of a film.
 pub(super) struct Band<'a> {
     pub(super) first_pixel: usize,
-    pub(super) weights: &'a mut [f64],
-    pub(super) sums: &'a mut [f64],
-    pub(super) fresh: &'a mut [[f64; 4]],
+    pub(super) weights: &'a mut [PixelSum],
+    pub(super) sums: &'a mut [PixelSum],
+    pub(super) fresh: &'a mut [[PixelSum; 4]],
     pub(super) fog: &'a mut [[f32; 4]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
-    pub(super) hues: &'a mut [[HueSums; 2]],
+    pub(super) hues: &'a mut [HueSums],
     pub(super) mattes: &'a mut [MatteList],
 }
 
@@ -188,11 +189,8 @@ impl Band<'_> {
         let (rest, colors) = rest.split_at(rest.len() - colored);
         let foggy = if self.fog.is_empty() { 0 } else { FOG };
         let (nearest, fog) = rest.split_at(rest.len() - foggy);
-        if let Some([all, fresh]) = self.hues.get_mut(pixel) {
-            all.add_packed(colors, place.weight);
-            if is_fresh {
-                fresh.add_packed(colors, place.weight);
-            }
+        if let Some(sums) = self.hues.get_mut(pixel) {
+            sums.add_packed(is_fresh, colors, place.weight);
         }
         if let Some(sums) = self.fog.get_mut(pixel) {
             for (sum, value) in sums.iter_mut().zip(fog) {
@@ -202,14 +200,14 @@ impl Band<'_> {
         if let Some(list) = self.mattes.get_mut(pixel) {
             list.add_packed(shares, place.weight);
         }
-        self.weights[pixel] += place.weight;
+        pixel_sum::add(&mut self.weights[pixel], place.weight);
         for (sum, value) in self.sums[pixel * channels..][..channels].iter_mut().zip(mean) {
-            *sum += place.weight * f64::from(*value);
+            pixel_sum::add(sum, place.weight * f64::from(*value));
         }
         if is_fresh {
             let one_and_color = [1.0, values[0], values[1], values[2]].map(f64::from);
             for (sum, value) in self.fresh[pixel].iter_mut().zip(one_and_color) {
-                *sum += place.weight * value;
+                pixel_sum::add(sum, place.weight * value);
             }
         }
         if self.nearest_distances_px.get(pixel).is_some_and(|&distance| place.from_centre_px < distance) {
