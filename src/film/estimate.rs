@@ -3,6 +3,7 @@
 //! and no others, as the halves of a single pixel may agree by chance.
 
 use super::Film;
+use super::hues::HueSums;
 use super::pixel_sum::{PixelSum, value};
 use super::smooth::{FogPlanes, Smoothed};
 use crate::color::{Rgb, luminance};
@@ -45,13 +46,15 @@ impl Film {
         let (sum, fresh, fresh_sum) =
             (color(&self.sums[pixel * self.stride()..]), value(fresh), color(fresh_sum));
         let known = all - fresh;
-        let hues = self.hues.get(pixel).copied().unwrap_or_default();
+        let hues = self.hues.get(pixel);
         let variance = (known > 0.0 && fresh > 0.0).then(|| {
-            let [of_known, of_fresh] = hues.missing_of_halves(known, fresh);
+            let missing = |hues: &HueSums| hues.missing_of_halves(known, fresh);
+            let [of_known, of_fresh] = hues.map_or([Rgb::ZERO; 2], missing);
             let difference = (sum - fresh_sum + of_known) / known - (fresh_sum + of_fresh) / fresh;
             luminance(difference * difference) * known * fresh / (all * all)
         });
-        (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + hues.missing(all)) / all, variance })
+        let missing = || hues.map_or(Rgb::ZERO, |hues| hues.missing(all));
+        (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + missing()) / all, variance })
     }
 
     /// Estimates of the pixels with samples in a part of the picture, from that part alone. `completion` is

@@ -211,11 +211,13 @@ impl Film {
         let nearest_stride = self.passes.nearest_channels();
         for (from, (x, y)) in part.window.pixels().enumerate() {
             let Some(to) = self.window.index(x, y) else { continue };
-            let sums = self.sums[to * stride..][..stride].iter_mut().chain(&mut self.fresh[to]);
-            let added = part.sums[from * stride..][..stride].iter().chain(&part.fresh[from]);
-            for (sum, added) in sums.chain([&mut self.weights[to]]).zip(added.chain([&part.weights[from]])) {
-                pixel_sum::add(sum, pixel_sum::value(added));
-            }
+            let add_all = |sums: &mut [PixelSum], added: &[PixelSum]| {
+                let pairs = sums.iter_mut().zip(added);
+                pairs.for_each(|(sum, added)| pixel_sum::add(sum, pixel_sum::value(added)));
+            };
+            add_all(&mut self.weights[to..=to], &part.weights[from..=from]);
+            add_all(&mut self.sums[to * stride..][..stride], &part.sums[from * stride..][..stride]);
+            add_all(&mut self.fresh[to], &part.fresh[from]);
             if let (Some(sums), Some(added)) = (self.fog.get_mut(to), part.fog.get(from)) {
                 sums.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
             }
