@@ -67,8 +67,10 @@ impl Emitters<'_> {
         let bundle = BUNDLE as i64;
         let columns = (least.x / spacing).floor() as i64..=(most.x / spacing).ceil() as i64;
         let columns = bundle * columns.start().div_euclid(bundle)..bundle * (columns.end() / bundle + 1);
-        let mut rays = Vec::new();
-        for row in (least.y / spacing).floor() as i64..=(most.y / spacing).ceil() as i64 {
+        let rows = (least.y / spacing).floor() as i64..(most.y / spacing).ceil() as i64 + 1;
+        // Exact, to save memory.
+        let mut rays = Vec::with_capacity(rows.clone().count() * columns.clone().count());
+        for row in rows {
             for column in columns.clone() {
                 let across = (column as f64 + 0.5) * spacing * right + (row as f64 + 0.5) * spacing * up;
                 let across = across - across.dot(to_light) * to_light;

@@ -23,14 +23,15 @@ impl LeafIndex {
         let mut starts = vec![0; meshes + 1];
         for leaf in &all {
             // Up to the last part that is a leaf.
-            starts[snapshot.lasting_number(leaf.mesh) + 1] = leaf.part as u32 + 1;
+            starts[snapshot.lasting_number(leaf.mesh as usize) + 1] = leaf.part + 1;
         }
         for mesh in 0..meshes {
             starts[mesh + 1] += starts[mesh];
         }
         let mut leaf_of = vec![NO_LEAF; starts[meshes] as usize];
         for (leaf, number) in all.iter().zip(0..) {
-            leaf_of[starts[snapshot.lasting_number(leaf.mesh)] as usize + leaf.part] = number;
+            let start = starts[snapshot.lasting_number(leaf.mesh as usize)];
+            leaf_of[(start + leaf.part) as usize] = number;
         }
         Self { all, starts, leaf_of }
     }

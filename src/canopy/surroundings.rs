@@ -33,8 +33,8 @@ const SMALL_CELLS: f64 = 1.0;
 /// A small part with two sides.
 pub(crate) struct Leaf {
     /// Number of the mesh, and of the part in it.
-    pub(crate) mesh: usize,
-    pub(crate) part: usize,
+    pub(crate) mesh: u32,
+    pub(crate) part: u32,
     /// Position of its centre, in world space.
     pub(crate) position: DVec3,
     pub(crate) normal: DVec3,
@@ -225,8 +225,8 @@ impl<'a> Surroundings<'a> {
         }
         let is_flat = all > 0.0 && facing.length() > FLAT * all;
         is_flat.then(|| Leaf {
-            mesh: part.mesh_number,
-            part: part.number,
+            mesh: part.mesh_number as u32,
+            part: part.number as u32,
             position: middle(places.into_iter()),
             normal: facing.normalize(),
             area_m2: all * optics.cover,
