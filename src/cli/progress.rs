@@ -438,8 +438,8 @@ mod tests {
     #[test]
     fn the_time_left_is_a_bound_within_the_first_frame() {
         let told = |written: usize, fractions: &[f64]| {
-            let mut state = State::default();
-            state.first_begun = Instant::now().checked_sub(std::time::Duration::from_secs(10));
+            let first_begun = Instant::now().checked_sub(std::time::Duration::from_secs(10));
+            let mut state = State { first_begun, ..State::default() };
             (state.frames, state.written) = (4, written);
             state.in_progress = (2..).zip(fractions.iter().copied()).collect();
             state.time_left()

@@ -666,7 +666,7 @@ fn branches_are_as_bright_as_one_walk() {
     }
 }
 
-/// A room that the sun enters through a hole: walks that look for where it falls are as bright, with less noise.
+/// The sun enters a room through a hole: walks that look for where it falls are as bright, with less noise.
 #[test]
 fn walks_that_look_for_the_sun_are_as_bright() {
     let mut scene = camera_at(DVec3::ZERO);

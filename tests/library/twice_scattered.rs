@@ -14,14 +14,9 @@ const SIGMA_PER_M: f64 = 0.05;
 
 /// Mean of a function over an interval, by pieces of 16 nodes.
 fn mean(pieces: u32, of: impl Fn(f64) -> f64) -> f64 {
-    let piece = |number: u32| {
-        let nodes = gauss_legendre(16);
-        nodes
-            .into_iter()
-            .map(|(node, weight)| {
-                0.5 * weight * of((f64::from(number) + 0.5 + 0.5 * node) / f64::from(pieces))
-            })
-            .sum::<f64>()
+    let piece = |number: u32| -> f64 {
+        let at = |node: f64| of((f64::from(number) + 0.5 + 0.5 * node) / f64::from(pieces));
+        gauss_legendre(16).iter().map(|(node, weight)| 0.5 * weight * at(*node)).sum()
     };
     (0..pieces).map(piece).sum::<f64>() / f64::from(pieces)
 }
