@@ -4,7 +4,7 @@
 
 use super::Film;
 use super::hues::HueSums;
-use super::pixel_sum::{PixelSum, value};
+use super::pixel_sum::{PixelSum, ROUNDING, value};
 use super::smooth::{FogPlanes, Smoothed};
 use crate::color::{Rgb, luminance};
 use crate::scene::Window;
@@ -51,6 +51,8 @@ impl Film {
             let missing = |hues: &HueSums| hues.missing_of_halves(known, fresh);
             let [of_known, of_fresh] = hues.map_or([Rgb::ZERO; 2], missing);
             let difference = (sum - fresh_sum + of_known) / known - (fresh_sum + of_fresh) / fresh;
+            let is_rounding = difference.abs().cmple(ROUNDING * sum.abs());
+            let difference = Rgb::select(is_rounding, Rgb::ZERO, difference);
             luminance(difference * difference) * known * fresh / (all * all)
         });
         let missing = || hues.map_or(Rgb::ZERO, |hues| hues.missing(all));

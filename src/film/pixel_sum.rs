@@ -7,6 +7,10 @@
 /// The upper bytes of a double, the lowest first.
 pub(super) type PixelSum = [u8; 5];
 
+/// Maximum difference of a pixel's halves by rounding, relative to the pixel's sum: an addition errs by at
+/// most `2^-29` of the sum, in colours and weights, of all samples and of one half.
+pub(super) const ROUNDING: f64 = 4.0 / (1 << 29) as f64;
+
 /// Half a unit of the last digit that is kept, as the bits of a double.
 const HALF_A_UNIT: u64 = 1 << 23;
 

@@ -6,7 +6,7 @@
 use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
 use super::{Job, Watch};
-use crate::film::{BlockEstimate, Blocks, Film, Mask};
+use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
 use rayon::prelude::*;
 
 /// Minimum luminance of blocks for relative errors, as a part of the picture's mean: errors of darker blocks
@@ -16,6 +16,10 @@ const DARKEST: f64 = 0.1;
 /// Part of its block's variance below which a pixel has samples enough, if its neighbours have, too: most of
 /// a block's error is in the few pixels with edges.
 const NEGLIGIBLE: f64 = 0.25;
+
+/// Variance of a pixel, by its squared luminance and [`completion`], above which few samples found its light:
+/// one half has three times as much as the other.
+const FOUND_BY_FEW: f64 = 0.25;
 
 /// Visible error in a block without contrast of its own.
 const SEEN: f64 = 0.02;
@@ -97,8 +101,11 @@ pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined 
     let schedule = Schedule::of(job.sampling);
     picture.add_round(&Round { number: 0, schedule, wanted: &wanted }, &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let estimates =
-        if job.is_judged() { judge(&film, &blocks, completion(picture.convergence())).0 } else { Vec::new() };
+    let estimates = if job.is_judged() {
+        judge(&film, &blocks, completion(picture.convergence())).blocks
+    } else {
+        Vec::new()
+    };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, rounds: 1 }
 }
@@ -146,11 +153,19 @@ struct Refinement<'a, P> {
     work: Work,
 }
 
+/// Estimates of a film.
+struct Estimates {
+    blocks: Vec<BlockEstimate>,
+    /// Variance of each pixel of the film; NaN where it lacks two halves.
+    pixels: Vec<f32>,
+    /// Greatest variance in each block of a pixel whose light few samples found, so that others may have
+    /// missed theirs.
+    of_few: Vec<f64>,
+}
+
 /// Estimates after a round, and the resulting decisions.
 struct Judgement {
-    /// Variance of each pixel of the film; NaN where it lacks two halves.
-    variances: Vec<f32>,
-    blocks: Vec<BlockEstimate>,
+    estimates: Estimates,
     /// Ratio of the standard error of each block that goes on to its maximum.
     excess: Vec<f64>,
     /// Whether there are samples enough to decide.
@@ -189,16 +204,16 @@ impl<'a, P: Picture> Refinement<'a, P> {
 
     fn judge(&mut self, round: &Round) -> Judgement {
         let Self { picture, goal, film, blocks, .. } = self;
-        let (estimates, variances) = judge(film, blocks, completion(picture.convergence()));
+        let estimates = judge(film, blocks, completion(picture.convergence()));
         let excess = |block: usize| {
-            if self.goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
+            if self.goes_on[block] { goal.excess(&estimates.blocks[block], block) } else { 0.0 }
         };
         let excess: Vec<f64> = (0..blocks.count()).map(excess).collect();
         let samples = round.before() + round.samples();
         let decides = goal.tolerance >= LOOSE || samples >= picture.fewest_samples();
         self.worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
         let is_first = !std::mem::replace(&mut self.was_judged, decides);
-        Judgement { variances, blocks: estimates, excess, decides, is_first }
+        Judgement { estimates, excess, decides, is_first }
     }
 
     /// A block goes on while it exceeds its goal. When first judged it also goes on if a neighbour exceeds
@@ -208,7 +223,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
             if !self.goes_on[block] {
                 continue;
             }
-            self.variances[block] = judgement.blocks[block].variance;
+            self.variances[block] = judgement.estimates.blocks[block].variance;
             let pixels = self.blocks.pixels(block);
             self.goes_on[block] = !judgement.decides
                 || self.window_blocks.index(pixels.x, pixels.y).is_some()
@@ -223,18 +238,25 @@ impl<'a, P: Picture> Refinement<'a, P> {
     fn neighbourhood_exceeds(&self, block: usize, judgement: &Judgement) -> bool {
         // The estimates of earlier components in a neighbouring block depend on its number of samples, so
         // this block's are used.
-        let exceeds = |near: usize| self.goal.excess(&judgement.blocks[near], block) > 1.0;
+        let exceeds = |near: usize| self.goal.excess(&judgement.estimates.blocks[near], block) > 1.0;
         self.blocks.neighbourhood(block).any(exceeds)
     }
 
     /// A pixel goes on with its block unless it and its neighbours have a negligible part of the block's
-    /// variance: a pixel that missed an edge by chance lies next to one that did not.
+    /// variance: a pixel that missed an edge by chance lies next to one that did not. What is much narrower
+    /// than a pixel, such as sunlight through a slit, is missed by several: where few samples found light,
+    /// the whole block goes on.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
-        let negligible = |block: usize| NEGLIGIBLE * goal.variance(&judgement.blocks[block], block);
+        let negligible = |block: usize| NEGLIGIBLE * goal.variance(&judgement.estimates.blocks[block], block);
         let negligible: Vec<f64> = (0..blocks.count()).map(negligible).collect();
+        let is_sparse = |block: usize| {
+            let near = blocks.neighbourhood(block).filter(|&near| judgement.is_first || near == block);
+            near.map(|near| judgement.estimates.of_few[near]).any(|variance| variance > negligible[block])
+        };
+        let is_sparse: Vec<bool> = (0..blocks.count()).map(is_sparse).collect();
         let variance = |(x, y)| {
-            let variance = judgement.variances[film.window().index(x, y)?];
+            let variance = judgement.estimates.pixels[film.window().index(x, y)?];
             (!variance.is_nan()).then(|| f64::from(variance))
         };
         self.wanted = Mask::from_fn(blocks.window(), |x, y| {
@@ -242,7 +264,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
             let near = film.window().around(x, y);
             let near = near.filter(|&(x, y)| judgement.is_first || blocks.index(x, y) == Some(block));
             let greatest = near.filter_map(variance).reduce(f64::max).unwrap_or(f64::INFINITY);
-            !judgement.decides || greatest > negligible[block]
+            !judgement.decides || is_sparse[block] || greatest > negligible[block]
         });
     }
 
@@ -266,26 +288,30 @@ fn completion(convergence: f64) -> f64 {
     (4.0_f64.powf(convergence) - 1.0).recip()
 }
 
-/// Estimate of each block from its pixels, and the variance of each pixel of the film, NaN where it lacks two
-/// halves.
-fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, Vec<f32>) {
+/// Estimates of blocks from their pixels.
+fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Estimates {
     let window = film.window();
     let mut variances = vec![f32::NAN; window.width * window.height];
     let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
-    let mut estimates = Vec::with_capacity(blocks.count());
+    let (mut estimates, mut of_few) =
+        (Vec::with_capacity(blocks.count()), Vec::with_capacity(blocks.count()));
     // A few blocks at a time, as estimates of all pixels would be as large as the film.
     for first in (0..blocks.count()).step_by(JUDGED_AT_ONCE) {
         let some = first..blocks.count().min(first + JUDGED_AT_ONCE);
         for pixels in some.into_par_iter().map(of_block).collect::<Vec<_>>() {
-            for &((x, y), estimate) in &pixels {
-                if let (Some(index), Some(variance)) = (window.index(x, y), estimate.variance) {
-                    variances[index] = variance as f32;
+            let mut greatest_of_few = 0.0_f64;
+            for &((x, y), PixelEstimate { luminance, variance }) in &pixels {
+                let (Some(index), Some(variance)) = (window.index(x, y), variance) else { continue };
+                variances[index] = variance as f32;
+                if variance > FOUND_BY_FEW * completion * luminance * luminance {
+                    greatest_of_few = greatest_of_few.max(variance);
                 }
             }
             estimates.push(BlockEstimate::of(pixels.iter().map(|&(_, estimate)| estimate)));
+            of_few.push(greatest_of_few);
         }
     }
-    (estimates, variances)
+    Estimates { blocks: estimates, pixels: variances, of_few }
 }
 
 impl Goal<'_> {

@@ -67,6 +67,6 @@ fn fog_about_a_lamp_scatters_again_in_a_box_of_any_size() {
         }
         let ratio = found / expected;
         println!("twice scattered, box of {half_m} m: {ratio:.4}");
-        assert!((ratio - 1.0).abs() < 0.02, "{half_m}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.03, "{half_m}: {ratio}");
     }
 }
