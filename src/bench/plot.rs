@@ -83,7 +83,7 @@ impl Axis {
         Self { low: low - spare, high: high + spare, from_px, to_px }
     }
 
-    /// The same scale, extended to another pixel.
+    /// Scale extended to another pixel.
     fn reaching(self, to_px: f64) -> Self {
         let per_px = (self.high - self.low) / (self.to_px - self.from_px);
         Self { high: self.high + per_px * (to_px - self.to_px), to_px, ..self }

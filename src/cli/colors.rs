@@ -23,8 +23,8 @@ impl ColorDoubts {
         }
     }
 
-    /// The same for a file that is shown, and the channels shown in place of a picture; returns whether it
-    /// has a picture.
+    /// Reports a shown file's doubtful colours, and the channels shown in place of a picture; returns whether
+    /// it has a picture.
     pub(super) fn tell_shown(&self, path: &Path, file: &FrameFile) -> bool {
         self.tell(path, file);
         let instead = file.shown_instead();

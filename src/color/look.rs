@@ -138,7 +138,7 @@ mod tests {
     const COLORS: [[f64; 3]; 6] =
         [[0.0; 3], [1.0; 3], [0.02; 3], [0.4, 0.15, 0.02], [0.8, 0.5, 0.05], [0.0, 1.0, 0.0]];
 
-    /// What Blender 5.0.1 shows of these colours: view AgX, display sRGB, saved with 16 bits.
+    /// Colours as Blender 5.0.1 shows them: view AgX, display sRGB, saved with 16 bits.
     const BLENDER: [(Look, [[f64; 3]; 6]); 5] = [
         (
             Look::HighContrast,

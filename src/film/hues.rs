@@ -51,7 +51,7 @@ impl HueSums {
         by_all_hues(plain, hued, hue / weight) - plain
     }
 
-    /// The same for the known half, and for the fresh one.
+    /// Corrections as [`Self::missing`] for the known half and for the fresh one.
     pub(super) fn missing_of_halves(&self, known: f64, fresh: f64) -> [Rgb; 2] {
         let ([hue, plain, hued, ..], of_fresh) = (self.all.map(values), self.fresh.map(values));
         let of_known = [hue - of_fresh[0], plain - of_fresh[1], hued - of_fresh[2]];

@@ -86,7 +86,7 @@ pub(super) struct SetMoments {
     pub(super) moments: (Vec<f32>, Vec<[f32; COUNT]>),
     pub(super) third: (Vec<f32>, Vec<[f32; COUNT]>),
     pub(super) fourth: (Vec<f32>, Vec<[f32; COUNT]>),
-    /// Of nodes alone.
+    /// High degrees, of nodes alone.
     pub(super) high: Vec<f32>,
 }
 

@@ -47,7 +47,7 @@ pub struct SeenFog {
     /// behind all fog. Quantities are optical depth, and for each sun the scattered light without the phase
     /// function.
     parts: Vec<u16>,
-    /// What a part stands for, by ray, then quantity, then channel.
+    /// Value of a part, by ray, then quantity, then channel.
     of_part: Vec<f32>,
 }
 

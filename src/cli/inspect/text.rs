@@ -251,7 +251,7 @@ fn write_sky(out: &mut String, sky: &Sky, time_s: f64) -> std::fmt::Result {
     let lights = match sky.lights {
         SkyLight::Nothing => "lights nothing",
         SkyLight::Surfaces => "lights surfaces",
-        SkyLight::SurfacesAndFog => "lights surfaces and fog",
+        _ => "lights surfaces and fog",
     };
     writeln!(out, "    sky      {look}; {lights}")?;
     for SkySun { to_sun, irradiance, angular_diameter } in sky.suns_at(time_s) {

@@ -53,6 +53,7 @@ pub enum Sky {
 
 /// Contents of a scene that a sky lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[non_exhaustive]
 pub enum SkyLight {
     /// Nothing; the sky is only seen.
     Nothing,

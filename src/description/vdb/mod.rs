@@ -20,7 +20,7 @@ pub use bytes::Value;
 pub use frames::{GridFile, GridFiles, load_files};
 pub use tree::{Leaf, Tile, Tree};
 
-/// What is read: OpenVDB's name of a tree's type, whether it holds vectors, and how it writes a number.
+/// Trees that are read: OpenVDB's name of the type, whether it holds vectors, and how it writes a number.
 const READ: [(&str, bool, Number); 6] = [
     ("Tree_float_5_4_3", false, Number::Float),
     ("Tree_double_5_4_3", false, Number::Double),

@@ -51,7 +51,7 @@ pub struct Tree<V = f32> {
     /// Value outside the tree.
     pub background: V,
     blocks: Vec<Block>,
-    /// Of one block after the other: all memory goes back at once.
+    /// Values of one block after the other: all memory goes back at once.
     values: Vec<V>,
     /// Blocks of one value.
     pub tiles: Vec<Tile<V>>,

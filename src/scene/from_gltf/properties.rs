@@ -55,7 +55,7 @@ impl<'a> Builder<'a> {
         channel.and_then(|channel| self.mapped(channel, map)).unwrap_or(Track::from(still))
     }
 
-    /// The same for a number.
+    /// Track of a number, as [`Self::keyed`].
     pub(super) fn keyed_number(&self, property: Property, index: usize, still: f64) -> Track<f64> {
         self.keyed(property, index, still, |value| value[0])
     }
