@@ -64,8 +64,8 @@
 //! *world* and *camera* are the spaces of a file. *Relative* space has the world's axes and the camera at its
 //! origin; below `snapshot` it is the only one. Units are metres, seconds and radians unless the name ends in
 //! another (`_deg`, `_per_m`). *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity*
-//! W/sr. A *medium* is all fog together; `sigma_t` is its extinction per metre, `tau` the optical depth of a
-//! stretch. *Shafts* are light that fog scatters into the camera ray. A *pass* is a picture beside the
+//! W/sr. A *medium* is all fog together; `sigma_t` is its extinction per metre, `tau` the optical depth
+//! along a ray. *Shafts* are light that fog scatters into the camera ray. A *pass* is a picture beside the
 //! *beauty*; a *channel* is what EXR stores of it. A *sampler* gives low-discrepancy points, nothing else.
 //! *Exact* means visibility in closed form, from the geometry (docs/decisions/exactness.md).
 

@@ -13,7 +13,7 @@ use crate::color::Rgb;
 use crate::fog::{exp_minus, exp_minus_little};
 use crate::math::Ray;
 use crate::ordinates::first_collision_source::BeamSource;
-use crate::ordinates::grid::Stretch;
+use crate::ordinates::grid::CellInterval;
 use crate::ordinates::harmonics::{DEGREE, basis, cosine_lobe};
 use crate::ordinates::moments::{Moments, NodeMoments};
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
@@ -272,8 +272,8 @@ impl FirstCollisions<'_> {
         let mut left = [0, 1]
             .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
-        // Up to the middle of each stretch by the fog at nodes, the only fog that the grid has.
-        for Stretch { node, from, to } in self.cut.grid.stretches(&in_world, start, end) {
+        // Up to the middle of each interval by the fog at nodes, the only fog that the grid has.
+        for CellInterval { node, from, to } in self.cut.grid.intervals(&in_world, start, end) {
             let (length, middle) = (to - from, 0.5 * (from + to));
             let here = [0, 1].map(|which| {
                 let through = exp_minus_little(0.5 * length * media[which].extinction_at(ray.at(middle)));

@@ -4,8 +4,8 @@
 //! Transport queries a [`Medium`]: `medium.rs` for points and rays, `scattered.rs` for in-scattered radiance
 //! along a ray, [`FogSlice`] for all rays of a half plane. A medium is a list of banks (`bank.rs`). Each has
 //! a density that is uniform, falls with height (`falloff.rs`) or is given by voxels (`voxel_fog.rs`).
-//! `sun_stretch.rs` and `near_light.rs` choose how to integrate a stretch of a ray (`stretch.rs`): in closed
-//! form or by a fit; transport does not see which.
+//! `sun_interval.rs` and `near_light.rs` choose how to integrate an interval of a ray (`ray_interval.rs`): in
+//! closed form or by a fit; transport does not see which.
 
 mod bank;
 mod beer_lambert;
@@ -18,13 +18,13 @@ mod medium;
 mod near_light;
 mod phase;
 mod prefix_sums;
+mod ray_interval;
 mod scattered;
 mod slice;
-mod stretch;
-mod sun_stretch;
+mod sun_interval;
 mod voxel_cells;
 mod voxel_fog;
-mod voxel_stretch;
+mod voxel_interval;
 
 pub use bank::FogBank;
 pub use beer_lambert::{exp_minus, exp_minus_little};

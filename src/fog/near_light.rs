@@ -1,4 +1,4 @@
-//! Light of a near lamp that fog scatters into a ray. In go a stretch of fog and a light, out comes the
+//! Light of a near lamp that fog scatters into a ray. In go an interval of fog and a light, out comes the
 //! integral over any lit part of it. A few parts of uniform fog of low depth are integrated one by one, with
 //! rules whose order follows from the integrand's singularities. Otherwise all parts share one
 //! antiderivative. Invariant: the antiderivative is fitted to a tolerance.
@@ -12,16 +12,16 @@
 
 use super::LitSegments;
 use super::beer_lambert::exp_minus;
-use super::stretch::Stretch;
+use super::ray_interval::RayInterval;
 use crate::color::Rgb;
 use crate::light::{Emission, LampShape};
 use crate::math::{Antiderivative, gauss_legendre};
 use glam::DVec3;
 use std::ops::Range;
 
-/// A near light over a stretch of a ray.
+/// A near light over an interval of a ray.
 pub(super) struct NearLight<'a> {
-    stretch: &'a Stretch<'a>,
+    interval: &'a RayInterval<'a>,
     light: DVec3,
     emission: Emission,
     shape: LampShape,
@@ -31,7 +31,7 @@ pub(super) struct NearLight<'a> {
     more_nodes: usize,
     /// Maximum extinction of all fog together, 1/m, which bounds the exponential's rate.
     densest_per_m: f64,
-    /// The nearest poles before and after the stretch, in `x`: see [`NearLight::poles`].
+    /// The nearest poles before and after the interval, in `x`: see [`NearLight::poles`].
     poles: (f64, f64),
 }
 
@@ -63,20 +63,20 @@ const LARGEST_RATIO: f64 = 1e150;
 const DEEPEST: f64 = 30.0;
 
 impl<'a> NearLight<'a> {
-    pub(super) fn new(stretch: &'a Stretch, light: DVec3, emission: Emission, shape: LampShape) -> Self {
-        let ray = stretch.ray;
+    pub(super) fn new(interval: &'a RayInterval, light: DVec3, emission: Emission, shape: LampShape) -> Self {
+        let ray = interval.ray;
         let to_light = light - ray.origin;
         let nearest = to_light.dot(ray.direction);
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
-        let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
+        let gap = gap.max(SMALLEST_SHARE * interval.end).max(f64::MIN_POSITIVE);
         // `Cone::falloff` is a cubic of the cosine, for any width of the cone's edge.
         let is_plain = !matches!(emission, Emission::Spot(_)) && shape.softened_m2 == 0.0;
         let more_nodes = if is_plain { 0 } else { 2 };
-        let densest_per_m = stretch.medium.most_extinction_per_m();
+        let densest_per_m = interval.medium.most_extinction_per_m();
         let poles = (f64::NEG_INFINITY, f64::INFINITY);
         let mut near =
-            Self { stretch, light, emission, shape, nearest, gap, more_nodes, densest_per_m, poles };
+            Self { interval, light, emission, shape, nearest, gap, more_nodes, densest_per_m, poles };
         near.poles = near.poles();
         near
     }
@@ -89,8 +89,8 @@ impl<'a> NearLight<'a> {
         }
         let mut start = range.start;
         // The slope of a spot's falloff jumps at kinks, and light jumps at the lamp's surface.
-        let [a, b] = self.emission.kinks(self.stretch.ray, self.light);
-        let [c, d] = self.shape.crossings(self.stretch.ray);
+        let [a, b] = self.emission.kinks(self.interval.ray, self.light);
+        let [c, d] = self.shape.crossings(self.interval.ray);
         let mut ends = [a, b, c, d, None].map(|end| end.unwrap_or(range.end));
         ends.sort_unstable_by(f64::total_cmp);
         for end in ends.map(|end| end.clamp(range.start, range.end)) {
@@ -115,7 +115,7 @@ impl<'a> NearLight<'a> {
         let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
         let mut sum = Rgb::ZERO;
         // Cells are short.
-        let is_smooth = self.stretch.medium.is_even() || self.stretch.is_in_a_cell();
+        let is_smooth = self.interval.medium.is_even() || self.interval.is_in_a_cell();
         // Behind a grid, light is less smooth the nearer the ray comes to the axis.
         let is_smooth = is_smooth && !matches!(self.emission, Emission::Gridded(_));
         if parts < MANY_PARTS && !is_deep && is_smooth {
@@ -123,7 +123,7 @@ impl<'a> NearLight<'a> {
         } else {
             let mut fitted = Antiderivative::default();
             let integrand = |x: f64| self.integrand(x, &hull);
-            let has_voxels = self.stretch.medium.has_voxels();
+            let has_voxels = self.interval.medium.has_voxels();
             let tolerance = if has_voxels { VOXEL_TOLERANCE } else { FIT_TOLERANCE };
             fitted.fit(integrand, self.x(hull.start), self.x(hull.end), tolerance);
             lit.for_each_part(range, |start, end, share| {
@@ -138,7 +138,7 @@ impl<'a> NearLight<'a> {
     /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the largest
     /// ellipse around the step in which the integrand is analytic (Trefethen, "Approximation Theory and
     /// Approximation Practice", theorem 19.3). Three things bound that ellipse: the lines at `pi / 2` from
-    /// the real axis, the poles before and after the stretch, and the change of the exponential over the
+    /// the real axis, the poles before and after the interval, and the change of the exponential over the
     /// step.
     fn part(&self, start: f64, end: f64) -> Rgb {
         let (mut t, mut x, last) = (start, self.x(start), self.x(end));
@@ -175,21 +175,21 @@ impl<'a> NearLight<'a> {
             return along;
         }
         // Near a pole the way through the fog grows faster than the distance along the ray.
-        let Stretch { medium, ray, light, .. } = *self.stretch;
+        let RayInterval { medium, ray, light, .. } = *self.interval;
         let to_light = |t: f64| medium.known_depth_to(ray.at(t), light);
         along + (to_light(to) - to_light(from)).abs().max_element()
     }
 
-    /// Poles of the integrand on the real axis just before and just after the stretch.
+    /// Poles of the integrand on the real axis just before and just after the interval.
     ///
     /// The way to the light enters a bank through a face `y_i = a` at the fraction `(a - y_i(t)) / (p_i -
     /// y_i(t))` of its length, where `p` is the light in the bank's own space. It has a pole where the ray's
-    /// coordinate `i` equals the light's. Within the stretch there is none, as `a` lies between.
+    /// coordinate `i` equals the light's. Within the interval there is none, as `a` lies between.
     fn poles(&self) -> (f64, f64) {
-        let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
+        let (first, last) = (self.x(self.interval.start), self.x(self.interval.end));
         let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
-        let ray = self.stretch.ray;
-        for bank in self.stretch.medium.banks() {
+        let ray = self.interval.ray;
+        for bank in self.interval.medium.banks() {
             let (origin, direction) = bank.in_cube(ray.origin, ray.direction);
             let (light, _) = bank.in_cube(self.light, DVec3::ZERO);
             for axis in 0..3 {
@@ -225,11 +225,11 @@ impl<'a> NearLight<'a> {
         let exp = x.exp();
         let (sinh, cosh) = (0.5 * (exp - 1.0 / exp), 0.5 * (exp + 1.0 / exp));
         let t = (self.nearest + self.gap * sinh).clamp(range.start, range.end);
-        let place = self.stretch.ray.at(t);
+        let place = self.interval.ray.at(t);
         let way = self.light - place;
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
         let share = self.emission.share(-to_light) * self.shape.share_in_fog(place);
-        share / cosh * self.stretch.scattering(t, -sinh / cosh) * exp_minus(self.stretch.tau(t))
+        share / cosh * self.interval.scattering(t, -sinh / cosh) * exp_minus(self.interval.tau(t))
     }
 }
 

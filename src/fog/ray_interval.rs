@@ -1,5 +1,5 @@
-//! A ray cut into stretches. In go a ray through fog and a light, out come parts on which the fog's
-//! parameters are constant. Invariant: on a stretch the optical depths to the eye and to the light are
+//! A ray cut into intervals. In go a ray through fog and a light, out come parts on which the fog's
+//! parameters are constant. Invariant: on an interval the optical depths to the eye and to the light are
 //! smooth.
 
 use super::foggy_ray::FoggyRay;
@@ -11,7 +11,7 @@ use crate::math::Ray;
 
 /// A part of a ray on which all functions are smooth.
 #[derive(Clone, Copy)]
-pub(super) struct Stretch<'a> {
+pub(super) struct RayInterval<'a> {
     pub(super) along: &'a FoggyRay<'a>,
     pub(super) medium: &'a Medium,
     pub(super) ray: &'a Ray,
@@ -21,23 +21,23 @@ pub(super) struct Stretch<'a> {
     pub(super) end: f64,
     /// Optical depth from the ray's origin to `start`.
     tau_at_start: Rgb,
-    /// Extinction of the fog that is uniform on the stretch, 1/m.
+    /// Extinction of the fog that is uniform on the interval, 1/m.
     even_per_m: Rgb,
     /// Bit `i` set: inside bank `i`.
     inside: u64,
-    /// Bit `i` set: the density of bank `i` varies on the stretch.
+    /// Bit `i` set: the density of bank `i` varies on the interval.
     changing: u64,
 }
 
-impl<'a> Stretch<'a> {
-    /// Cuts the foggy parts of the ray within `[0, t_max]` into smooth stretches, in order.
+impl<'a> RayInterval<'a> {
+    /// Cuts the foggy parts of the ray within `[0, t_max]` into smooth intervals, in order.
     pub(super) fn for_each(along: &'a FoggyRay<'a>, light: LightPlace, mut each: impl FnMut(Self)) {
         let FoggyRay { medium, ray, t_max, .. } = *along;
         let (mut tau, none) = (Rgb::ZERO, Rgb::ZERO);
         let spans: Vec<_> = medium.banks().iter().map(|fog| fog.visible_span(ray, t_max)).collect();
         for pair in cuts(along, light).windows(2) {
             let (start, end) = (pair[0], pair[1]);
-            let mut stretch = Self {
+            let mut interval = Self {
                 along,
                 medium,
                 ray,
@@ -49,19 +49,19 @@ impl<'a> Stretch<'a> {
                 inside: 0,
                 changing: 0,
             };
-            let middle = stretch.middle();
+            let middle = interval.middle();
             for (index, fog) in medium.banks().iter().enumerate() {
                 if spans[index].is_some_and(|(enter, leave)| enter < middle && middle < leave) {
-                    stretch.inside |= 1 << index;
+                    interval.inside |= 1 << index;
                     match fog.changes_at(ray, middle) {
-                        true => stretch.changing |= 1 << index,
-                        false => stretch.even_per_m += fog.sigma_t,
+                        true => interval.changing |= 1 << index,
+                        false => interval.even_per_m += fog.sigma_t,
                     }
                 }
             }
-            if stretch.inside != 0 {
-                tau = stretch.tau_to_eye(end);
-                each(stretch);
+            if interval.inside != 0 {
+                tau = interval.tau_to_eye(end);
+                each(interval);
             }
         }
     }
@@ -106,8 +106,8 @@ impl<'a> Stretch<'a> {
         })
     }
 
-    /// Optical depth to eye and light and scattering, as [`Stretch::tau`] and [`Stretch::scattering`], of
-    /// some of the banks alone; before the stretch all of them count.
+    /// Optical depth to eye and light and scattering, as [`Self::tau`] and [`Self::scattering`], of some of
+    /// the banks alone; before the interval all of them count.
     pub(super) fn of_banks(&self, banks: u64, t: f64, cos_deflection: f64) -> (Rgb, Rgb) {
         let some = Self { inside: self.inside & banks, changing: self.changing & banks, ..*self };
         let point = self.ray.at(t);
@@ -116,9 +116,9 @@ impl<'a> Stretch<'a> {
         (tau, some.scattering(t, cos_deflection))
     }
 
-    /// What is linear on the stretch: at its start, and its growth per metre.
+    /// Value at the interval's start and its growth per metre, where it is linear.
     pub(super) fn line(&self, value: impl Fn(f64) -> Rgb) -> (Rgb, Rgb) {
-        // Just inside, so that a way that starts in a face is measured on this stretch's side.
+        // Just inside, so that a way that starts in a face is measured on this interval's side.
         let inset = 1e-3 * (self.end - self.start);
         let (a, b) = (self.start + inset, self.end - inset);
         let (at_a, at_b) = (value(a), value(b));
@@ -153,7 +153,7 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Borders of stretches, in order.
+/// Borders of intervals, in order.
 fn cuts(along: &FoggyRay, light: LightPlace) -> Vec<f64> {
     let FoggyRay { medium, ray, t_max, .. } = *along;
     let Some((first, last)) = medium.range(ray, t_max) else { return Vec::new() };
@@ -184,9 +184,9 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Within a stretch the optical depth to the sun is linear: the middle is the mean of the ends.
+    /// Within an interval the optical depth to the sun is linear: the middle is the mean of the ends.
     #[test]
-    fn depth_to_a_distant_light_is_linear_on_each_stretch() {
+    fn depth_to_a_distant_light_is_linear_on_each_interval() {
         let medium = Medium::new(vec![
             FogBank::between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
             FogBank::between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.5, 1.0), 0.2),
@@ -194,18 +194,18 @@ mod tests {
         let light = LightPlace::Towards(DVec3::new(0.3, 0.8, -0.4).normalize());
         let ray =
             Ray { origin: DVec3::new(-3.0, 0.2, 0.3), direction: DVec3::new(1.0, -0.1, -0.15).normalize() };
-        let mut stretches = Vec::new();
+        let mut intervals = Vec::new();
         let along = medium.along(&ray, 100.0);
-        Stretch::for_each(&along, light, |stretch| stretches.push(stretch));
-        assert!(stretches.len() >= 4);
-        for stretch in &stretches {
+        RayInterval::for_each(&along, light, |interval| intervals.push(interval));
+        assert!(intervals.len() >= 4);
+        for interval in &intervals {
             let tau = |t: f64| medium.optical_depth_to(ray.at(t), light).x;
-            let inset = 1e-9 * (stretch.end - stretch.start);
-            let mean = 0.5 * (tau(stretch.start + inset) + tau(stretch.end - inset));
-            let middle = tau(0.5 * (stretch.start + stretch.end));
-            assert!((middle - mean).abs() < 1e-8, "{} to {}: {middle} {mean}", stretch.start, stretch.end);
+            let inset = 1e-9 * (interval.end - interval.start);
+            let mean = 0.5 * (tau(interval.start + inset) + tau(interval.end - inset));
+            let middle = tau(0.5 * (interval.start + interval.end));
+            assert!((middle - mean).abs() < 1e-8, "{} to {}: {middle} {mean}", interval.start, interval.end);
         }
-        let last = stretches.last().expect("fog");
+        let last = intervals.last().expect("fog");
         let total = last.tau_to_eye(last.end);
         assert!((total - medium.optical_depth(ray.origin, ray.direction, 100.0)).length() < 1e-14);
     }

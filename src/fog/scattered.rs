@@ -3,8 +3,8 @@
 
 use super::beer_lambert::exp_minus;
 use super::near_light::NearLight;
-use super::stretch::Stretch;
-use super::sun_stretch::SunStretch;
+use super::ray_interval::RayInterval;
+use super::sun_interval::SunInterval;
 use super::{LitSegments, Medium};
 use crate::color::Rgb;
 use crate::light::FrozenLight;
@@ -29,18 +29,18 @@ impl Medium {
     pub fn passage(&self, ray: &Ray, t_max: f64, lit: &LitSegments, light: &FrozenLight) -> Passage {
         let mut sum = Rgb::ZERO;
         let along = self.along(ray, t_max);
-        Stretch::for_each(&along, light.place(), |stretch| {
-            let range = lit.within(stretch.start, stretch.end);
+        RayInterval::for_each(&along, light.place(), |interval| {
+            let range = lit.within(interval.start, interval.end);
             match *light {
                 FrozenLight::Sun { to_light, .. } => {
                     let mut sunny = None;
                     lit.for_each_part(&range, |start, end, share| {
-                        let sunny = sunny.get_or_insert_with(|| SunStretch::new(&stretch, to_light));
+                        let sunny = sunny.get_or_insert_with(|| SunInterval::new(&interval, to_light));
                         sum += share * sunny.integral(start, end);
                     });
                 }
                 FrozenLight::Point { position, emission, shape, .. } => {
-                    sum += NearLight::new(&stretch, position, emission, shape).integral(range, lit);
+                    sum += NearLight::new(&interval, position, emission, shape).integral(range, lit);
                 }
             }
         });

@@ -1,39 +1,39 @@
-//! A stretch of a ray under a distant light. In go the fog on it, out comes the light scattered on any lit
+//! An interval of a ray under a distant light. In go the fog on it, out comes the light scattered on any lit
 //! part of it. Invariant: in closed form wherever there is one; elsewhere from one fit, shared by all lit
 //! parts.
 
 use super::beer_lambert::{exp_minus, mean_transmittance};
 use super::falloff::Climb;
-use super::stretch::Stretch;
-use super::voxel_stretch::VoxelStretch;
+use super::ray_interval::RayInterval;
+use super::voxel_interval::VoxelInterval;
 use crate::color::Rgb;
 use crate::math::{Antiderivative, Ray};
 use glam::DVec3;
 
-/// Tolerance of a fit, relative to the light scattered on the whole stretch without shadows.
+/// Tolerance of a fit, relative to the light scattered on the whole interval without shadows.
 const TOLERANCE: f64 = 1e-11;
 
-/// Light scattered on a stretch, per unit of irradiance.
-pub(super) enum SunStretch<'a> {
+/// Light scattered on an interval, per unit of irradiance.
+pub(super) enum SunInterval<'a> {
     Closed(ClosedForm),
     /// A quadrature rule for each cell.
-    Voxels(VoxelStretch<'a>),
+    Voxels(VoxelInterval<'a>),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
 }
 
-impl<'a> SunStretch<'a> {
-    pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Self {
-        let cos = to_light.dot(stretch.ray.direction);
-        if let Some(voxels) = VoxelStretch::new(stretch, to_light) {
+impl<'a> SunInterval<'a> {
+    pub(super) fn new(interval: &'a RayInterval, to_light: DVec3) -> Self {
+        let cos = to_light.dot(interval.ray.direction);
+        if let Some(voxels) = VoxelInterval::new(interval, to_light) {
             return Self::Voxels(voxels);
         }
-        if let Some(closed) = ClosedForm::of(stretch, to_light) {
+        if let Some(closed) = ClosedForm::of(interval, to_light) {
             return Self::Closed(closed);
         }
         let mut fitted = Antiderivative::default();
-        let integrand = |t: f64| stretch.scattering(t, cos) * exp_minus(stretch.tau(t));
-        fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
+        let integrand = |t: f64| interval.scattering(t, cos) * exp_minus(interval.tau(t));
+        fitted.fit(integrand, interval.start, interval.end, TOLERANCE);
         Self::Fitted(fitted)
     }
 
@@ -61,12 +61,12 @@ pub(super) struct ClosedForm {
 
 impl ClosedForm {
     /// `None` if the optical depth is not linear.
-    fn of(stretch: &Stretch, to_light: DVec3) -> Option<Self> {
-        let Stretch { ray, start, .. } = *stretch;
-        let middle = stretch.middle();
+    fn of(interval: &RayInterval, to_light: DVec3) -> Option<Self> {
+        let RayInterval { ray, start, .. } = *interval;
+        let middle = interval.middle();
         let (mut thinning, mut count) = (None, 0);
-        for (index, fog) in stretch.medium.banks().iter().enumerate() {
-            let is_inside = stretch.is_inside(index);
+        for (index, fog) in interval.medium.banks().iter().enumerate() {
+            let is_inside = interval.is_inside(index);
             if !is_inside && fog.length(ray.at(middle), to_light, f64::INFINITY) == 0.0 {
                 continue;
             }
@@ -87,13 +87,13 @@ impl ClosedForm {
             }
             thinning = Some((climb, fog.sigma_t * (1.0 - climb.per_m / towards_light.per_m)));
         }
-        let scattering = stretch.densest_scattering(to_light.dot(ray.direction));
+        let scattering = interval.densest_scattering(to_light.dot(ray.direction));
         if let Some((climb, tau_per_m)) = thinning {
-            let tau_at_start = stretch.tau(start);
+            let tau_at_start = interval.tau(start);
             let line = Self { scattering, start, climb: Some(climb), tau_at_start, tau_per_m };
             return (count == 1).then_some(line);
         }
-        let (tau_at_start, tau_per_m) = stretch.line(|t| stretch.tau(t));
+        let (tau_at_start, tau_per_m) = interval.line(|t| interval.tau(t));
         Some(Self { scattering, start, climb: None, tau_at_start, tau_per_m })
     }
 

@@ -1,4 +1,4 @@
-//! A stretch of a ray through voxels under a sun. In go cells and the depths towards the sun, out comes the
+//! An interval of a ray through voxels under a sun. In go cells and the depths towards the sun, out comes the
 //! light scattered on lit parts. Invariant: optical depths to the eye are exact; every cell has its own Gauss
 //! rule for the product with transmittance.
 
@@ -6,7 +6,7 @@ use super::FogBank;
 use super::bank::OPAQUE;
 use super::beer_lambert::exp_minus;
 use super::phase::henyey_greenstein;
-use super::stretch::Stretch;
+use super::ray_interval::RayInterval;
 use super::voxel_cells::VoxelCells;
 use super::voxel_fog::MetresToSun;
 use crate::color::Rgb;
@@ -17,9 +17,9 @@ use glam::DVec3;
 const DEEPEST: f64 = 2.0;
 const THINNEST: f64 = 1.0 / 64.0;
 
-/// A stretch, with values that are constant on it.
-pub(super) struct VoxelStretch<'a> {
-    stretch: &'a Stretch<'a>,
+/// An interval, with values that are constant on it.
+pub(super) struct VoxelInterval<'a> {
+    interval: &'a RayInterval<'a>,
     cos: f64,
     inside: Vec<Bank<'a>>,
     /// Banks of voxels between the ray and the sun.
@@ -31,7 +31,7 @@ pub(super) struct VoxelStretch<'a> {
     longest_m: f64,
     /// Length over which light may fall strongly, metres.
     steepest_m: f64,
-    /// Whether the stretch is so deep that part of it may be invisible.
+    /// Whether the interval is so deep that part of it may be invisible.
     is_deep: bool,
 }
 
@@ -51,12 +51,12 @@ enum Others {
 }
 
 impl Others {
-    fn new(stretch: &Stretch, banks: u64, cos: f64) -> Self {
-        let of_banks = |t: f64| stretch.of_banks(banks, t, cos);
-        if !stretch.are_even(banks) {
+    fn new(interval: &RayInterval, banks: u64, cos: f64) -> Self {
+        let of_banks = |t: f64| interval.of_banks(banks, t, cos);
+        if !interval.are_even(banks) {
             return Self::Thinning(banks);
         }
-        Self::Even { tau: stretch.line(|t| of_banks(t).0), scattering: of_banks(stretch.middle()).1 }
+        Self::Even { tau: interval.line(|t| of_banks(t).0), scattering: of_banks(interval.middle()).1 }
     }
 }
 
@@ -78,20 +78,20 @@ impl Bank<'_> {
     }
 }
 
-impl<'a> VoxelStretch<'a> {
+impl<'a> VoxelInterval<'a> {
     /// `None` where no voxels affect the scattered light.
-    pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Option<Self> {
-        let Stretch { medium, ray, start, .. } = *stretch;
+    pub(super) fn new(interval: &'a RayInterval, to_light: DVec3) -> Option<Self> {
+        let RayInterval { medium, ray, start, .. } = *interval;
         let cos = to_light.dot(ray.direction);
         let (mut inside, mut to_sun, mut others) = (Vec::new(), Vec::new(), 0);
         let (mut longest_m, mut voxel_m) = (f64::INFINITY, f64::INFINITY);
-        let way = Ray { origin: ray.at(stretch.middle()), direction: to_light };
+        let way = Ray { origin: ray.at(interval.middle()), direction: to_light };
         for (number, fog) in medium.banks().iter().enumerate() {
             let Some(voxels) = fog.voxels() else {
                 others |= 1 << number;
                 continue;
             };
-            if let Some(cells) = stretch.along.cells(number).filter(|_| stretch.is_inside(number)) {
+            if let Some(cells) = interval.along.cells(number).filter(|_| interval.is_inside(number)) {
                 let scattering = fog.sigma_s * henyey_greenstein(cos, fog.g);
                 let metres_at_start = cells.metres(start);
                 inside.push(Bank { cells, sigma_t: fog.sigma_t, scattering, metres_at_start, cursor: 0 });
@@ -102,13 +102,13 @@ impl<'a> VoxelStretch<'a> {
                 longest_m = voxels.voxel_m(ray).min(longest_m);
             }
         }
-        let others_scatter = stretch.is_inside_of(others);
-        let others = Others::new(stretch, others, cos);
+        let others_scatter = interval.is_inside_of(others);
+        let others = Others::new(interval, others, cos);
         let changes = !inside.is_empty() || !to_sun.is_empty();
         let steepest_m = (DEEPEST / medium.most_extinction_per_m()).max(THINNEST * voxel_m);
-        let is_deep = medium.most_extinction_per_m() * (stretch.end - start) > OPAQUE;
+        let is_deep = medium.most_extinction_per_m() * (interval.end - start) > OPAQUE;
         changes.then_some(Self {
-            stretch,
+            interval,
             cos,
             inside,
             to_sun,
@@ -156,15 +156,15 @@ impl<'a> VoxelStretch<'a> {
     fn within_cells(&self, start: f64, end: f64) -> Rgb {
         let half = 0.5 * (end - start);
         // Two nodes are exact for a cubic, and a small depth hardly bends it.
-        let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
+        let nodes = if self.interval.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
         let mut sum = Rgb::ZERO;
         for (node, weight) in gauss_legendre(nodes) {
             let t = start + half * (1.0 + node);
             let (mut tau, mut scattering) = match self.others {
                 Others::Even { tau: (at_start, per_m), scattering } => {
-                    (at_start + (t - self.stretch.start) * per_m, scattering)
+                    (at_start + (t - self.interval.start) * per_m, scattering)
                 }
-                Others::Thinning(banks) => self.stretch.of_banks(banks, t, self.cos),
+                Others::Thinning(banks) => self.interval.of_banks(banks, t, self.cos),
             };
             for bank in &self.inside {
                 let (metres, density) = bank.at(t);
@@ -172,7 +172,7 @@ impl<'a> VoxelStretch<'a> {
                 scattering += bank.scattering * density;
             }
             for ToSun { fog, lattice } in &self.to_sun {
-                let exact = || fog.metres_to(self.stretch.ray.at(t), self.stretch.light);
+                let exact = || fog.metres_to(self.interval.ray.at(t), self.interval.light);
                 tau += fog.sigma_t * lattice.as_ref().map_or_else(exact, |lattice| lattice.at(t));
             }
             sum += *weight * scattering * exp_minus(tau);

@@ -52,7 +52,7 @@ impl Corners {
 
 /// The part of a ray that lies in the cell of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stretch {
+pub(crate) struct CellInterval {
     pub(crate) node: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
@@ -213,7 +213,7 @@ impl Grid {
 
     /// Cells along a part of a ray in world space, in order; none unless all of it lies within the grid
     /// (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
-    pub(crate) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
+    pub(crate) fn intervals(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = CellInterval> {
         let strides = self.strides();
         let origin = ray.origin / self.cell_m - PHASE - self.first.as_dvec3();
         let step_m = self.cell_m / ray.direction.abs();
@@ -234,7 +234,7 @@ impl Grid {
             }
             let axis = if next[0] <= next[1].min(next[2]) { 0 } else { 1 + usize::from(next[2] < next[1]) };
             let node = (0..3).map(|axis| cell[axis] * strides[axis]).sum();
-            let stretch = Stretch { node, from, to: next[axis].clamp(from, end) };
+            let interval = CellInterval { node, from, to: next[axis].clamp(from, end) };
             from = next[axis].max(from);
             next[axis] += step_m[axis];
             match forwards.test(axis) {
@@ -243,7 +243,7 @@ impl Grid {
                 // Rounding: nothing lies beyond the last cell.
                 _ => from = end,
             }
-            Some(stretch)
+            Some(interval)
         })
     }
 
@@ -285,9 +285,9 @@ mod tests {
         let grid = Grid::covering(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), 0.3);
         for direction in [DVec3::new(0.3, 0.8, -0.5).normalize(), DVec3::X, -DVec3::Z] {
             let ray = Ray { origin: DVec3::new(0.7, 0.2, 0.9), direction };
-            let stretches: Vec<Stretch> = grid.stretches(&ray, 0.1, 0.8).collect();
+            let intervals: Vec<CellInterval> = grid.intervals(&ray, 0.1, 0.8).collect();
             let mut at = 0.1;
-            for Stretch { node, from, to } in stretches {
+            for CellInterval { node, from, to } in intervals {
                 assert!((from - at).abs() < 1e-12 && to >= from, "{from} {at} {to}");
                 let away = (ray.at(0.5 * (from + to)) - grid.position(node)).abs();
                 assert!(away.max_element() <= 0.15 + 1e-9, "{away}");

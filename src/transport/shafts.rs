@@ -11,7 +11,7 @@ use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
 /// A ray with its end.
-pub(super) struct Stretch<'a> {
+pub(super) struct RaySegment<'a> {
     pub(super) ray: &'a Ray,
     pub(super) from: Start,
     pub(super) distance: f64,
@@ -26,8 +26,8 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
             VolumeMethod::Segments | VolumeMethod::Paths(_) => {
                 let snapshot = path.snapshot;
                 let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
-                let stretch = Stretch { ray, from, distance: way.distance };
-                by_segments(path, stretch, light, shadows).scattered
+                let segment = RaySegment { ray, from, distance: way.distance };
+                by_segments(path, segment, light, shadows).scattered
             }
             VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
             VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
@@ -38,7 +38,7 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
 /// In-scattered radiance by the exact method; `shadows` removes shadows from the lit parts.
 pub(super) fn by_segments(
     path: &mut Path,
-    Stretch { ray, from, distance }: Stretch,
+    RaySegment { ray, from, distance }: RaySegment,
     light: &FrozenLight,
     shadows: impl FnOnce(&mut LitSegments),
 ) -> Passage {

@@ -12,7 +12,7 @@ use super::thinning_fog::{Series, ThinningFog};
 use crate::color::Rgb;
 use crate::math::fast_exp;
 
-/// Fog on a stretch of a ray.
+/// Fog on an interval of a ray.
 pub(super) struct DepthSeries<'a> {
     /// Optical depth without that of thinning fog from the start on and towards the light.
     pub(super) even: DepthLine<3>,

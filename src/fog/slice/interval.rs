@@ -1,6 +1,6 @@
 //! A ray's way through fog, between two breaks of the light's way. In go the sections of banks, by slice and
-//! ray, out comes in-scattered light. Invariant: the optical depth of a stretch, to the eye and to the light
-//! together, is smooth.
+//! ray, out comes in-scattered light. Invariant: the optical depth to the eye and to the light together is
+//! smooth.
 
 use super::depth_line::DepthLine;
 use super::depth_series::DepthSeries;
@@ -33,7 +33,7 @@ pub(super) fn above(way: LightWay, ray: &PlanarRay, reach: f64) -> Option<LightW
 }
 
 /// A range of a ray on which all borders stay the same.
-pub(super) struct SliceStretch<'a> {
+pub(super) struct SliceInterval<'a> {
     pub(super) banks: &'a [BankProfile],
     /// The light's way through each bank.
     pub(super) ways: &'a [Option<LightWay>],
@@ -42,7 +42,7 @@ pub(super) struct SliceStretch<'a> {
     pub(super) end: f64,
 }
 
-impl SliceStretch<'_> {
+impl SliceInterval<'_> {
     /// Light scattered on its lit parts, where all fog is uniform.
     #[inline(always)]
     pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
@@ -116,7 +116,7 @@ impl SliceStretch<'_> {
         0.5 * (self.start + self.end)
     }
 
-    /// Whether the ray is inside a bank, and the metres of the bank before the stretch.
+    /// Whether the ray is inside a bank, and the metres of the bank before the interval.
     #[inline(always)]
     fn along_ray(&self, profile: &BankProfile) -> (bool, f64) {
         let (enter, leave) = profile.span;

@@ -16,7 +16,7 @@ pub(super) const ORDER: usize = 10;
 /// Maximum number of cells between two breaks, however thick the fog.
 const MOST_CELLS: f64 = 64.0;
 
-/// Maximum number of pieces on one stretch; rays with more are left to the per-ray method.
+/// Maximum number of pieces on one interval; rays with more are left to the per-ray method.
 pub(super) const MOST_PIECES: f64 = 512.0;
 
 /// `j!`

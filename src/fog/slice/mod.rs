@@ -3,16 +3,16 @@
 //! computed once a slice. Where it has no answer, the ray is left to [`Medium::passage`].
 //!
 //! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
-//! breaks, known beforehand, both borders stay the same. So all ways are smooth on every stretch of a ray
-//! between breaks (`stretch.rs`). The lit part there is given by its moments (`lit_cells.rs`), which the
+//! breaks, known beforehand, both borders stay the same. So all ways are smooth on every interval of a ray
+//! between breaks (`interval.rs`). The lit part there is given by its moments (`lit_cells.rs`), which the
 //! integrand's derivatives are multiplied with. In uniform fog these are powers (`depth_line.rs`), in fog
 //! that thins out with height series (`depth_series.rs`, `thinning_fog.rs`).
 
 mod depth_line;
 mod depth_series;
+mod interval;
 mod lit_cells;
 mod section;
-mod stretch;
 mod thinning_fog;
 
 use super::beer_lambert::exp_minus;
@@ -22,9 +22,9 @@ use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::light::FrozenLight;
 use crate::math::{IntervalSet, PlanarRay, Ray};
+use interval::{BankProfile, SliceInterval, above};
 use lit_cells::{Lit, LitCells};
 use section::{FogSection, LightWay, Line};
-use stretch::{BankProfile, SliceStretch, above};
 use thinning_fog::{Column, ThinningFog};
 
 /// All fog of a slice.
@@ -41,7 +41,7 @@ pub struct FogSlice {
     is_grey: bool,
     /// Whether all fog is uniform.
     is_even: bool,
-    /// Thinning fog of the current stretch.
+    /// Thinning fog of the current interval.
     thinning: Vec<ThinningFog>,
     /// Lit part of the light's rays.
     cells: LitCells,
@@ -162,11 +162,11 @@ impl FogSlice {
                 end = if leave > start { end.min(leave) } else { end };
             }
             let ways = &ways[row * banks.len()..][..banks.len()];
-            let stretch = SliceStretch { banks, ways, ray: planar, start, end };
+            let interval = SliceInterval { banks, ways, ray: planar, start, end };
             scattered += match (*is_even, *is_grey) {
-                (true, true) => stretch.even::<1>(&lit)?,
-                (true, false) => stretch.even::<3>(&lit)?,
-                (false, _) => stretch.thinning(thinning, &lit)?,
+                (true, true) => interval.even::<1>(&lit)?,
+                (true, false) => interval.even::<3>(&lit)?,
+                (false, _) => interval.thinning(thinning, &lit)?,
             };
             start = end;
         }

@@ -12,7 +12,7 @@ use std::ops::Range;
 /// A number and its derivatives at the centre of a piece, in halves of its width.
 pub(super) type Series = [f64; ORDER];
 
-/// One bank of fog, or its part above its base, on a stretch of a ray.
+/// One bank of fog, or its part above its base, on an interval of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThinningFog {
     pub(super) sigma_t: Rgb,
@@ -170,7 +170,7 @@ impl Ascent {
 }
 
 impl ThinningFog {
-    /// The metres of this fog, to the eye and to the light; the stretch begins at `start`.
+    /// The metres of this fog, to the eye and to the light; the interval begins at `start`.
     pub(super) fn metres(&self, start: f64, piece: &Piece) -> Series {
         let mut metres = self.to_light.map_or([0.0; ORDER], |column| column.series(piece));
         if let Some(ascent) = self.along_ray {

@@ -20,7 +20,7 @@ const ONE_OUTLINE: f64 = 0.99;
 
 /// Consecutive pieces of a slice in one region of the picture; they do not depend on others.
 #[derive(Debug)]
-struct Stretch {
+struct Interval {
     /// Column and row of the region.
     region: (usize, usize),
     first_run: usize,
@@ -56,7 +56,7 @@ pub struct Outline {
     region_side: usize,
     /// Slopes of the rays at which pieces end.
     slopes: Vec<f64>,
-    stretches: Vec<Stretch>,
+    intervals: Vec<Interval>,
     runs: Vec<Run>,
     /// Whether the next piece belongs to the last run.
     goes_on: bool,
@@ -83,8 +83,8 @@ struct End {
 impl Default for Outline {
     /// Without pieces; the whole picture is one region.
     fn default() -> Self {
-        let (slopes, stretches, runs, ends) = Default::default();
-        Self { region_side: usize::MAX, slopes, stretches, runs, goes_on: false, ends }
+        let (slopes, intervals, runs, ends) = Default::default();
+        Self { region_side: usize::MAX, slopes, intervals, runs, goes_on: false, ends }
     }
 }
 
@@ -94,7 +94,7 @@ impl Outline {
     pub fn start(&mut self, region_side: usize) {
         self.region_side = region_side;
         self.slopes.clear();
-        self.stretches.clear();
+        self.intervals.clear();
         self.runs.clear();
         self.goes_on = false;
     }
@@ -103,8 +103,8 @@ impl Outline {
     /// ended at an edge.
     pub(super) fn add(&mut self, pixel: (usize, usize), start: f64, end: f64) {
         let region = self.region(pixel);
-        if self.stretches.last().is_none_or(|stretch| stretch.region != region) {
-            self.stretches.push(Stretch { region, first_run: self.runs.len(), slopes: [start; 2] });
+        if self.intervals.last().is_none_or(|interval| interval.region != region) {
+            self.intervals.push(Interval { region, first_run: self.runs.len(), slopes: [start; 2] });
             self.goes_on = false;
         }
         let is_next = self.slopes.last() == Some(&start);
@@ -113,8 +113,8 @@ impl Outline {
         }
         self.slopes.push(end);
         self.goes_on = true;
-        if let (Some(stretch), Some(run)) = (self.stretches.last_mut(), self.runs.last_mut()) {
-            (stretch.slopes[1], run.slope) = (end, end);
+        if let (Some(interval), Some(run)) = (self.intervals.last_mut(), self.runs.last_mut()) {
+            (interval.slopes[1], run.slope) = (end, end);
         }
     }
 
@@ -130,9 +130,9 @@ impl Outline {
         (x / self.region_side, y / self.region_side)
     }
 
-    fn runs_of(&self, stretch: usize) -> Range<usize> {
-        let end = self.stretches.get(stretch + 1).map_or(self.runs.len(), |next| next.first_run);
-        self.stretches[stretch].first_run..end
+    fn runs_of(&self, interval: usize) -> Range<usize> {
+        let end = self.intervals.get(interval + 1).map_or(self.runs.len(), |next| next.first_run);
+        self.intervals[interval].first_run..end
     }
 
     fn pieces_of(&self, run: usize) -> Range<usize> {
@@ -153,25 +153,25 @@ impl Outline {
     ) {
         self.move_ends(beside, rotated_rad);
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-        // The stretch in the current region, its runs that are still to come, and its bounds.
-        let (mut stretch, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
+        // The interval in the current region, its runs that are still to come, and its bounds.
+        let (mut interval, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
         let mut piece = 0;
         for crossing in beside.crossings(size, unwanted_around) {
             let region = self.region(crossing.pixel);
-            if stretch.is_none_or(|stretch: usize| self.stretches[stretch].region != region) {
+            if interval.is_none_or(|interval: usize| self.intervals[interval].region != region) {
                 // Neighbouring slices meet regions in the same order, but for corners that one of them
                 // misses.
-                let next = stretch.map_or(0, |stretch| stretch + 1);
+                let next = interval.map_or(0, |interval| interval + 1);
                 let Some(skipped) =
-                    self.stretches[next..].iter().position(|stretch| stretch.region == region)
+                    self.intervals[next..].iter().position(|interval| interval.region == region)
                 else {
                     continue;
                 };
                 let found = next + skipped;
-                let [start, end] = self.stretches[found].slopes.map(|slope| beside.length_at_slope(slope));
+                let [start, end] = self.intervals[found].slopes.map(|slope| beside.length_at_slope(slope));
                 // Fog's light is unbounded near the light's image: a piece in a region's corner there, far
                 // smaller than a pixel, must not represent whole pixels.
-                (stretch, runs, low, high) =
+                (interval, runs, low, high) =
                     (Some(found), self.runs_of(found), start - farthest, end + farthest.min(end));
             }
             let [from, to] = crossing.lengths;
@@ -216,14 +216,14 @@ impl Outline {
             let distance = run.border.map_or(f64::INFINITY, |border| border.distance());
             End { unmoved, shifts, moved: 1.0, distance, length: unmoved }
         }));
-        for stretch in 0..self.stretches.len() {
-            let runs = self.runs_of(stretch);
+        for interval in 0..self.intervals.len() {
+            let runs = self.runs_of(interval);
             put_in_order(&mut self.ends[runs]);
         }
     }
 }
 
-/// Orders the ends of a stretch's runs: they stop where they meet, and occlude those behind.
+/// Orders the ends of a interval's runs: they stop where they meet, and occlude those behind.
 fn put_in_order(ends: &mut [End]) {
     for end in 1..ends.len() {
         let (before, after) = ends.split_at_mut(end);

@@ -12,7 +12,7 @@ use crate::transport::direct::Unshadowed;
 use crate::transport::leg::{Airlight, Leg, LegEnd, Shown};
 use crate::transport::path::{Illumination, Path, Scratch, Start};
 use crate::transport::radiance::{mattes, mean};
-use crate::transport::shafts::{Stretch, by_segments};
+use crate::transport::shafts::{RaySegment, by_segments};
 use crate::transport::visibility::Way;
 use crate::transport::{Branches, Sample};
 use crate::transport::{fog_glow, indirect, lamps_seen};
@@ -85,7 +85,7 @@ impl SliceRay<'_> {
                         lit.shadows_mut().insert(distance_of(*start), distance_of(*end));
                     }
                 };
-                by_segments(&mut path, Stretch { ray, from: Start::Camera, distance }, light, shade)
+                by_segments(&mut path, RaySegment { ray, from: Start::Camera, distance }, light, shade)
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
