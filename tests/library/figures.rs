@@ -61,7 +61,7 @@ fn all_light_comes_both_ways() {
     let size = Size { width: 24, height: 18 };
     let stage =
         Stage { exposure: &exposure, size, mirror_depth: 4, bounces: Bounces::All, planes: (1.0, 1.0) };
-    let plan = all_light::Plan { stage, reference_samples: 512, most_samples: 64, rounds: 1 };
+    let plan = all_light::Plan { stage, reference_samples: 256, most_samples: 64, rounds: 1 };
     let rows = all_light::measure(&plan).rows;
     let row =
         |way: &str, samples: u32| rows.iter().find(|row| (row.way, row.samples) == (way, samples)).unwrap();

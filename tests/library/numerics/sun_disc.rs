@@ -50,7 +50,8 @@ fn the_whole_disc() {
         light(&mut open, &Frame::HERE, Lamp::Sun { to_sun });
         for diameter_deg in DIAMETERS_DEG {
             let scene = with_diameter(open.clone(), diameter_deg);
-            let grid = if diameter_deg > 1.0 { 24_u32 } else { 4 };
+            // Cells of the disc are at most four degrees wide.
+            let grid: u32 = if diameter_deg > 10.0 { 24 } else { 4 };
             let middle = |index: u32| (f64::from(index) + 0.5) / f64::from(grid);
             let mut expected = 0.0;
             let trees = MeshTrees::new(&scene);
@@ -76,7 +77,7 @@ fn the_whole_disc() {
             for method in [Method::Slices, Method::Segments] {
                 // Of 256 samples so few pixels under a quarter of the sky still differ by
                 // 3e-3 from seed to seed.
-                let samples = if diameter_deg > 1.0 { 1024 } else { 256 };
+                let samples = if diameter_deg > 10.0 { 1024 } else { 256 };
                 let found = mean(&picture(&scene, size, samples, method).0);
                 let error = (found / expected - 1.0).abs();
                 println!("whole disc of {diameter_deg} degrees, {to_sun}, {method:?}: {error:.1e}");
