@@ -115,13 +115,7 @@ impl Medium {
             && pairs.into_iter().all(|(own, others)| own.is_same_voxels(others))
     }
 
-    /// Optical depth from a point to the light.
-    pub fn optical_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
-        self.banks.iter().map(|fog| fog.sigma_t * fog.metres_to(point, light)).sum()
-    }
-
-    /// Optical depth as in [`Medium::optical_depth_to`]; for a lamp from lattices of voxels where there are
-    /// some.
+    /// Optical depth from a point to the light; for a lamp from lattices of voxels where there are some.
     pub(super) fn known_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.known_metres_to(point, light)).sum()
     }

@@ -199,7 +199,7 @@ mod tests {
         RayInterval::for_each(&along, light, |interval| intervals.push(interval));
         assert!(intervals.len() >= 4);
         for interval in &intervals {
-            let tau = |t: f64| medium.optical_depth_to(ray.at(t), light).x;
+            let tau = |t: f64| medium.known_depth_to(ray.at(t), light).x;
             let inset = 1e-9 * (interval.end - interval.start);
             let mean = 0.5 * (tau(interval.start + inset) + tau(interval.end - inset));
             let middle = tau(0.5 * (interval.start + interval.end));
