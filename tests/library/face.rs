@@ -20,7 +20,7 @@ fn who_uses_the_library_gets_no_command_line() {
     let tree = String::from_utf8_lossy(&said.stdout);
     let crates: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
     assert!(crates.contains("glam"), "{tree}{}", String::from_utf8_lossy(&said.stderr));
-    for name in ["clap", "clap_complete", "cpu-time", "csv", "indicatif", "signal-hook"] {
+    for name in ["clap", "clap_complete", "cpu-time", "csv", "indicatif", "signal-hook", "tev_client"] {
         assert!(!crates.contains(name), "{tree}");
     }
 }
