@@ -93,7 +93,7 @@ impl Frame {
 
     /// Requests of the scene that this frame does not honour.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
-        self.remarks.told()
+        self.remarks.reported()
     }
 
     /// Exposure that a camera would choose, in powers of two.

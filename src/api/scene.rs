@@ -54,7 +54,7 @@ impl Scene {
     /// Warnings: requests that are not honoured or only approximated, and assumptions where the input is
     /// silent.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
-        self.resolved.remarks.told()
+        self.resolved.remarks.reported()
     }
 
     /// First and last frame of the input.
@@ -118,7 +118,7 @@ impl Scene {
         let folder = path.parent().unwrap_or(Path::new(""));
         let exported = self.export(frames, folder).map_err(|error| RenderError::Export(Box::new(error)))?;
         frame_file::write_whole(path, &[&exported.head, &exported.binary])?;
-        Ok(exported.remarks.told().cloned().collect())
+        Ok(exported.remarks.reported().cloned().collect())
     }
 
     /// SHA-256 over all input files, in hexadecimal digits.

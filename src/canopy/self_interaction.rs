@@ -79,9 +79,9 @@ impl<'a> Alone<'a> {
         let extinction = extinction.at(node);
         let inside = clumping.inside(index, sent);
         let bent = bent(&leaf.optics, leaf.exposed);
-        let glow = PI * leaf.exposed * leaf.area_m2 * inside * bent.emission;
+        let emitted = PI * leaf.exposed * leaf.area_m2 * inside * bent.emission;
         let scattered =
-            unmet.map(|side| Scattered { back: out * side.back, through: out * side.through + glow });
+            unmet.map(|side| Scattered { back: out * side.back, through: out * side.through + emitted });
         Self { leaf, scattered, nodes, near, extinction, index, inside }
     }
 
@@ -127,9 +127,9 @@ impl SelfInteraction {
     ) -> NodeMoments {
         let mut sources = NodeMoments::zero(cut.grid.count());
         let of_leaf = |(leaf, scattered): (&Leaf, [Scattered; 2])| {
-            let told = (&medium.cross_sections.extinction, &medium.clumping);
+            let matter = (&medium.cross_sections.extinction, &medium.clumping);
             let dark = if emitted { None } else { leaf.dark() };
-            let alone = Alone::new(cut, told, (dark.as_ref().unwrap_or(leaf), scattered));
+            let alone = Alone::new(cut, matter, (dark.as_ref().unwrap_or(leaf), scattered));
             (leaf.normal, alone.nodes, self.sent_again(&alone))
         };
         let factor = FRAC_1_PI * self.per_volume;

@@ -88,7 +88,7 @@ impl TurbidMedium {
 
     /// Clumps and extinction, for gathering light. `met_again` is the power that leaves of a clump give each
     /// other, W m^-3 by node.
-    pub(crate) fn told(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
+    pub(crate) fn for_gathering(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
         let mut given = vec![[0.0; 3]; met_again.len()];
         let leaves = if met_again.is_empty() { &[] } else { &self.leaves[..] };
         // Light meets an effective area, which is smaller than the area of all leaves; each leaf has two

@@ -18,22 +18,25 @@ const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is un
 pub(super) struct Doubt {
     frame: i64,
     /// Reported error, relative to the picture's mean.
-    told: f64,
+    error: f64,
     tolerance: f64,
 }
 
 impl Doubt {
     /// `None` if it is within limits, or without a tolerance.
     pub(super) fn of(frame: i64, statistics: &Statistics, sampling: Sampling) -> Option<Self> {
-        let (Sampling::Until { tolerance, .. }, Some(told)) = (sampling, statistics.grid_error) else {
+        let (Sampling::Until { tolerance, .. }, Some(error)) = (sampling, statistics.grid_error) else {
             return None;
         };
-        (told > MOST * tolerance).then_some(Self { frame, told, tolerance })
+        (error > MOST * tolerance).then_some(Self { frame, error, tolerance })
     }
 
     fn sentence(&self) -> String {
-        let [told, tolerance] = [self.told, self.tolerance].map(|share| 100.0 * share);
-        format!("frame {}: indirect light may err by {told:.1} %, asked for are {tolerance:.1} %", self.frame)
+        let [error, tolerance] = [self.error, self.tolerance].map(|share| 100.0 * share);
+        format!(
+            "frame {}: indirect light may err by {error:.1} %, asked for are {tolerance:.1} %",
+            self.frame
+        )
     }
 
     /// Reason for not writing it.
@@ -52,7 +55,7 @@ impl Doubts {
     pub(super) fn count(&self, doubt: Doubt) {
         let (count, worst) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         *count += 1;
-        *worst = Some(worst.filter(|worst| worst.told >= doubt.told).unwrap_or(doubt));
+        *worst = Some(worst.filter(|worst| worst.error >= doubt.error).unwrap_or(doubt));
     }
 
     /// Reports the worst one, if there are any.

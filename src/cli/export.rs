@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let exported = scene.export(frames, folder).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
     let remarks = Diagnostics([scene.resolved().remarks.0.clone(), exported.remarks.0].concat());
     arguments.scene.check(&remarks)?;
-    remarks.told().for_each(|remark| tell(&remark.to_string()));
+    remarks.reported().for_each(|remark| tell(&remark.to_string()));
     save(output, &[&exported.head, &exported.binary])?;
     let files: Vec<String> = exported.files.iter().map(|uri| format!(", beside `{uri}`")).collect();
     answer(&format!(

@@ -82,7 +82,7 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     check_flags(arguments, &task)?;
     let scene = plan::load(&task)?;
     let plan = Plan::new(&scene, &task)?;
-    plan.picture.remarks.told().for_each(|remark| tell(&remark.to_string()));
+    plan.picture.remarks.reported().for_each(|remark| tell(&remark.to_string()));
     job.frames = plan.frames.as_slice().to_vec();
     job.frames.sort_unstable();
     if job.frames.is_empty() {

@@ -32,9 +32,9 @@ pub(super) fn seen(
     scene: &SceneArguments,
     size: Option<SizeArgument>,
     camera: Option<&String>,
-    told: bool,
+    shows_progress: bool,
 ) -> Result<Scene, CliError> {
-    resolve(description, &scene.seen(size, camera), &scene.bakes, told)
+    resolve(description, &scene.seen(size, camera), &scene.bakes, shows_progress)
 }
 
 /// Resolves an input on the current rayon pool.
@@ -42,7 +42,7 @@ pub(super) fn resolve(
     description: Description,
     options: &ResolveOptions,
     bakes: &BakeArguments,
-    told: bool,
+    shows_progress: bool,
 ) -> Result<Scene, CliError> {
     let animation = options.animation.as_deref();
     description.check_animation(animation).map_err(|names| {
@@ -55,7 +55,7 @@ pub(super) fn resolve(
     };
     let path = |name: &str| folder.as_ref().map(|folder| folder.join(name).with_extension(EXTENSION));
     let bar = OnceLock::new();
-    let shown = told && std::io::stderr().is_terminal();
+    let shown = shows_progress && std::io::stderr().is_terminal();
     let tell = |done: u32, of: u32| {
         if shown && of >= FEWEST {
             let bar: &ProgressBar = bar.get_or_init(new_bar);

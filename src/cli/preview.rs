@@ -133,7 +133,7 @@ impl<'a> Source<'a> {
         let plan = Box::new(Renderer::new(scene).size(width, height).plan()?);
         let remarks = &scene.resolved().remarks;
         arguments.scene.check(remarks)?;
-        remarks.told().for_each(|remark| tell(&remark.to_string()));
+        remarks.reported().for_each(|remark| tell(&remark.to_string()));
         let settings = plan.settings.clone();
         Ok((Self::Scene { input: &arguments.input, plan }, settings))
     }

@@ -55,7 +55,7 @@ pub(super) fn of_scene(
 ) -> Result<(), CliError> {
     let plan = Plan::new(scene, arguments)?;
     let remarks = &plan.picture.remarks;
-    remarks.told().for_each(|remark| tell(&remark.to_string()));
+    remarks.reported().for_each(|remark| tell(&remark.to_string()));
     if arguments.dry_run {
         return answer(&plan.to_string());
     }

@@ -10,7 +10,7 @@ const NEEDED: [&str; 4] = ["renderer", "spp", "cpu_s", "rmse"];
 const WELCOME: [&str; 3] = ["version", "date", "machine"];
 
 /// Maximum number of reported faults, as all lines of an unrelated table are wrong alike.
-const MOST_TOLD: usize = 20;
+const MOST_PROBLEMS: usize = 20;
 
 /// Measurement of one picture of another renderer.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
     table.check_headings();
     let mut rows = Vec::new();
     for record in lines.records() {
-        if table.problems.len() >= MOST_TOLD {
+        if table.problems.len() >= MOST_PROBLEMS {
             break;
         }
         match record {

@@ -196,7 +196,7 @@ impl Diagnostics {
     }
 
     /// Diagnostics that rendering shows, worst last: assumptions and losses.
-    pub fn told(&self) -> impl Iterator<Item = &Diagnostic> {
+    pub fn reported(&self) -> impl Iterator<Item = &Diagnostic> {
         self.0.iter().filter(|diagnostic| matches!(diagnostic.severity, Severity::Choice | Severity::Warning))
     }
 
@@ -282,7 +282,7 @@ mod tests {
         let refused = all.refusing_losses().expect("a loss");
         assert!(refused.has_errors() && refused.0.len() == 1);
         assert!(refused.to_string().starts_with("error[no-light]: a\n  remedy: "), "{refused}");
-        assert_eq!(all.told().collect::<Vec<_>>(), [&loss, &told]);
+        assert_eq!(all.reported().collect::<Vec<_>>(), [&loss, &told]);
         assert_eq!(Diagnostics(vec![told, note]).refusing_losses(), None);
     }
 

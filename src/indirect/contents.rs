@@ -28,9 +28,9 @@ pub(super) const WALL_CELLS: f64 = 2.0;
 
 /// Distance between walls and emissive surfaces, in cells, below which these do not light the walls: their
 /// light stays in the gap.
-const NEAREST_GLOW: f64 = 0.5;
+const NEAREST_EMISSIVE: f64 = 0.5;
 /// Share of emissive walls above which sweeps give their light on walls better than sampled points do.
-const MOST_GLOWING: f64 = 0.1;
+const MOST_EMISSIVE: f64 = 0.1;
 
 /// Input of a solution: snapshot, bounces and leaves.
 pub(super) struct Context<'a> {
@@ -39,7 +39,7 @@ pub(super) struct Context<'a> {
     pub(super) leaves: &'a LeafIndex,
     pub(super) bounces: Bounces,
     /// Emissive surfaces as lights, where their direct light on surfaces is not part of the solution.
-    pub(super) glow: Option<Vec<Luminaire>>,
+    pub(super) emissive: Option<Vec<Luminaire>>,
     /// Returns whether to stop; the result is then incomplete.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -94,19 +94,19 @@ impl<'a> Contents<'a> {
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
         let Found { sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
-        let small_glow = context.glow.as_ref().filter(|_| self.glowing_share() < MOST_GLOWING);
-        let glow = small_glow.map_or(&[][..], Vec::as_slice);
-        let (lights, nearest_m) = (snapshot.lights.as_slice(), NEAREST_GLOW * grid.cell_m);
+        let small_emissive = context.emissive.as_ref().filter(|_| self.emissive_share() < MOST_EMISSIVE);
+        let emissive = small_emissive.map_or(&[][..], Vec::as_slice);
+        let (lights, nearest_m) = (snapshot.lights.as_slice(), NEAREST_EMISSIVE * grid.cell_m);
         let LitWalls { irradiances, glossy } =
-            WallLight { snapshot, lights, glow, nearest_m, grid, fog, walls, quadrature }.found();
+            WallLight { snapshot, lights, emissive, nearest_m, grid, fog, walls, quadrature }.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
         let walls = walls.walls.scattered(&irradiances);
-        let has_emission = snapshot.glow().is_some() || snapshot.medium.emits();
+        let has_emission = snapshot.emissive().is_some() || snapshot.medium.emits();
         let emission = has_emission.then(|| {
-            let is_part = context.glow.is_none();
+            let is_part = context.emissive.is_none();
             let is_apart = !is_part || context.bounces != Bounces::All;
             let not_again = is_apart.then(|| not_again(OwnLight { on_leaves: None, emitted: true }));
-            Emission { not_again, ..self.emission(is_part, small_glow.is_some()) }
+            Emission { not_again, ..self.emission(is_part, small_emissive.is_some()) }
         });
         let own = OwnLight {
             on_leaves: Some(&on_leaves),
@@ -118,7 +118,7 @@ impl<'a> Contents<'a> {
     }
 
     /// Share of emissive patches among all patches of walls.
-    fn glowing_share(&self) -> f64 {
+    fn emissive_share(&self) -> f64 {
         let patches = &self.walls.walls.patches;
         let emitting = patches.iter().filter(|patch| patch.optics.emission != Rgb::ZERO).count();
         emitting as f64 / patches.len().max(1) as f64

@@ -70,7 +70,7 @@ pub(super) fn levels(
     snapshot: &Snapshot,
     surroundings: &Surroundings,
     layers: Option<&Layers>,
-    glow: &[Luminaire],
+    emissive: &[Luminaire],
 ) -> Vec<Grid> {
     let things = surroundings.boxes(f64::INFINITY);
     let all = core_bounds(things, Strays::Lost);
@@ -79,8 +79,8 @@ pub(super) fn levels(
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
     let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
     let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
-    let lamps = fog.and_then(|fog| about_lamps(snapshot, fog, glow));
-    let lit = |depth| layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, (glow, depth)));
+    let lamps = fog.and_then(|fog| about_lamps(snapshot, fog, emissive));
+    let lit = |depth| layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, (emissive, depth)));
     let lamps_alone = || lit(LAMP_DEPTH).into_iter().reduce(union);
     let resolved = resolved(snapshot, [fog, leaves, lamps], leaf_m);
     let inner = resolved.or(leaves).or(fog).or(all).or_else(lamps_alone);
@@ -187,7 +187,7 @@ fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
 
 /// Bounded fog around lamps and emissive surfaces, as far as their light varies much. Fog of voxels is left
 /// out, as its density varies as much.
-fn about_lamps(snapshot: &Snapshot, fog: Bounds, glow: &[Luminaire]) -> Option<Bounds> {
+fn about_lamps(snapshot: &Snapshot, fog: Bounds, emissive: &[Luminaire]) -> Option<Bounds> {
     let medium = &snapshot.medium;
     let reach = DVec3::splat(LAMP_DEPTH / medium.most_extinction_per_m());
     let about = |light: &Luminaire| {
@@ -196,12 +196,12 @@ fn about_lamps(snapshot: &Snapshot, fog: Bounds, glow: &[Luminaire]) -> Option<B
         let is_in_fog = medium.extinction_at(position) != Rgb::ZERO;
         is_in_fog.then(|| ((place - reach).max(fog.0), (place + reach).min(fog.1)))
     };
-    let lights = snapshot.lights.iter().chain(glow).filter(|_| !medium.has_voxels());
+    let lights = snapshot.lights.iter().chain(emissive).filter(|_| !medium.has_voxels());
     lights.filter_map(about).reduce(union)
 }
 
 /// Fog around lamps and emissive surfaces, whose light layers do not have, to an optical depth.
-fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (glow, depth): (&[Luminaire], f64)) -> Vec<Bounds> {
+fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (emissive, depth): (&[Luminaire], f64)) -> Vec<Bounds> {
     let up = layers.heights.up.abs();
     let about = |light: &Luminaire| {
         let FrozenLight::Point { position, .. } = light.centre() else { return None };
@@ -212,7 +212,7 @@ fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (glow, depth): (&[Luminaire], 
         let reach = reach_m * (DVec3::ONE - up) + reach_m.min(LIT_ABOVE * layers.heights.scale_m) * up;
         Some((place - reach, place + reach))
     };
-    snapshot.lights.iter().chain(glow).filter_map(about).collect()
+    snapshot.lights.iter().chain(emissive).filter_map(about).collect()
 }
 
 /// Whether fog is close enough to a grid to be part of its world.

@@ -66,7 +66,7 @@ impl LayerDetail {
         };
         let true_light = layers.scattered(world, towards, scattering);
         let share = |channel: usize| match as_nodes_tell[channel] {
-            told if told > 0.0 => (true_light[channel] / told).clamp(1.0 / MOST, MOST),
+            estimate if estimate > 0.0 => (true_light[channel] / estimate).clamp(1.0 / MOST, MOST),
             _ => 1.0,
         };
         Rgb::new(share(0), share(1), share(2))

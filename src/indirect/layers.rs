@@ -32,7 +32,7 @@ use std::collections::HashMap;
 /// Light that depends on height alone.
 pub(super) struct Layers {
     /// Whether the ground emits, so that its emission is part of their light.
-    pub(super) ground_glows: bool,
+    pub(super) ground_emits: bool,
     pub(super) heights: Heights,
     light: PlaneParallel,
     levels: Vec<LevelLight>,
@@ -145,8 +145,8 @@ impl Layers {
             )
         };
         let levels = (0..stack.levels.len()).map(seen).collect();
-        let ground_glows = boundaries.emission != Rgb::ZERO;
-        Some(Self { ground_glows, heights, light, levels, peaks })
+        let ground_emits = boundaries.emission != Rgb::ZERO;
+        Some(Self { ground_emits, heights, light, levels, peaks })
     }
 
     /// Incident radiance on a grid within.

@@ -49,13 +49,13 @@ pub(super) struct Level {
     /// Moments of degrees 5 and 6, for fog that scatters forward.
     high: Option<HighMoments>,
     /// Light straight from emitters, for fog alone, where surfaces sample emitters by rays.
-    of_glow: Option<Light>,
+    of_emission: Option<Light>,
     /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// Radiance at a finer grid's rim, until that is solved; without light straight from the sky.
     radiances: Vec<AngularRadiance>,
     sky_radiances: Option<AngularRadiance>,
-    glow_radiances: Option<AngularRadiance>,
+    emitted_radiances: Option<AngularRadiance>,
     forward_peaks: Vec<ForwardPeak>,
     clumps: Clumps,
     extinction: Extinction,
@@ -129,7 +129,7 @@ impl Level {
         let emitted = solution.emitted.take();
         emitted.iter().for_each(|emitted| solution.last.add_high(emitted));
         let Contents { medium, walls: SnapshotWalls { walls, .. }, .. } = contents;
-        let (clumps, extinction) = medium.told(&first.met_again);
+        let (clumps, extinction) = medium.for_gathering(&first.met_again);
         let light = Light::of(&solution.all, &solution.last);
         Self {
             on_faces: walls.faces.irradiances(&light.low),
@@ -137,8 +137,8 @@ impl Level {
             light,
             light_in_fog: light_in_fog(&solution, snapshot.sky),
             high: solution.last.high.as_ref().map(HighMoments::of),
-            glow_radiances: solution.emitted_radiances,
-            of_glow: emitted.as_ref().map(|swept| Light::of(&swept.moments, swept)),
+            emitted_radiances: solution.emitted_radiances,
+            of_emission: emitted.as_ref().map(|swept| Light::of(&swept.moments, swept)),
             radiances: solution.radiances,
             sky_radiances: solution.sky_radiances,
             forward_peaks: first.forward_peaks,
@@ -158,7 +158,7 @@ impl Level {
         Surrounding {
             scattered: take(&mut self.radiances).into_iter().map(of_things).collect(),
             of_sky: self.sky_radiances.take().map(|radiances| IncidentRadiance::new(grid, radiances)),
-            emitted: self.glow_radiances.take().map(of_things),
+            emitted: self.emitted_radiances.take().map(of_things),
         }
     }
 
@@ -182,7 +182,7 @@ impl Level {
     /// Radiance on the two sides of a leaf, without the leaf's own contribution.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         // Its own emission is not in the light where that of all emitters is kept apart.
-        let dark = self.of_glow.as_ref().and_then(|_| leaf.dark());
+        let dark = self.of_emission.as_ref().and_then(|_| leaf.dark());
         let leaf = dark.as_ref().unwrap_or(leaf);
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
@@ -249,8 +249,8 @@ impl Level {
     ) -> Rgb {
         let corners = self.corners_seen_from(world);
         let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light.low).mean(&corners);
-        if let Some(glow) = &self.of_glow {
-            let added = glow.low.mean(&corners);
+        if let Some(emissive) = &self.of_emission {
+            let added = emissive.low.mean(&corners);
             let sums = moments.as_flattened_mut().iter_mut();
             sums.zip(added.as_flattened()).for_each(|(sum, value)| *sum += value);
         }
@@ -262,7 +262,7 @@ impl Level {
         };
         let mut by_harmonics = Rgb::new(of_channel(0), of_channel(1), of_channel(2));
         let is_whole = self.light.third.is_some() && self.light_in_fog.is_none();
-        for light in is_whole.then_some(&self.light).into_iter().chain(&self.of_glow) {
+        for light in is_whole.then_some(&self.light).into_iter().chain(&self.of_emission) {
             if let Some(third) = &light.third {
                 by_harmonics += scattering[3] * product(&towards.third, &third.mean(&corners));
             }

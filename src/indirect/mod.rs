@@ -93,8 +93,8 @@ impl Indirect {
 
     /// Whether direct light of emissive surfaces on others is part of it, so that rays need not sample it. It
     /// is not where emissive triangles are few enough for rays to sample.
-    pub fn has_glow(&self) -> bool {
-        self.solved.has_glow
+    pub fn has_emission(&self) -> bool {
+        self.solved.has_emission
     }
 
     /// Share of a surface's specular reflection that rays find: harmonics are too blurred for near objects.

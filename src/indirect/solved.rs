@@ -21,7 +21,7 @@ pub(super) struct Solved {
     pub(super) bounces: Bounces,
     pub(super) has_sky: bool,
     /// Whether direct light of emissive surfaces on others is part of it; otherwise rays sample it.
-    pub(super) has_glow: bool,
+    pub(super) has_emission: bool,
     /// Light of one bounce less, where that is needed.
     pub(super) once_less: Option<Arc<Self>>,
 }
@@ -35,10 +35,10 @@ impl Solved {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let mut solved = Self::of_bounces(snapshot, bounces, cancelled)?;
-        let glows = snapshot.glow().is_some() || snapshot.medium.emits();
+        let emits = snapshot.emissive().is_some() || snapshot.medium.emits();
         if let Bounces::UpTo(count @ 1..) = bounces
             && snapshot.has_gloss()
-            && (count > 1 || glows)
+            && (count > 1 || emits)
         {
             let less = Self::of_bounces(snapshot, Bounces::UpTo(count - 1), cancelled);
             solved.once_less = less.map(Arc::new);
@@ -53,20 +53,20 @@ impl Solved {
     ) -> Option<Self> {
         let mut surroundings = Surroundings::of(snapshot);
         let layers = layers(snapshot, &mut surroundings, bounces);
-        let plain_glows = layers.as_ref().is_some_and(|layers| layers.ground_glows);
+        let plain_emits = layers.as_ref().is_some_and(|layers| layers.ground_emits);
         // No ray samples the emission of fog.
-        let is_swept = plain_glows || snapshot.medium.emits();
-        let glow = snapshot.glow().filter(|glow| !is_swept && glow.is_looked_for());
-        let glow = glow.map(|glow| glow.luminaires(snapshot));
-        let has_glow = glow.is_none();
-        let grids = levels(snapshot, &surroundings, layers.as_ref(), glow.as_deref().unwrap_or_default());
+        let is_swept = plain_emits || snapshot.medium.emits();
+        let emissive = snapshot.emissive().filter(|emissive| !is_swept && emissive.is_looked_for());
+        let emissive = emissive.map(|emissive| emissive.luminaires(snapshot));
+        let has_emission = emissive.is_none();
+        let grids = levels(snapshot, &surroundings, layers.as_ref(), emissive.as_deref().unwrap_or_default());
         let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
         let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
         let context =
-            Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, glow, cancelled };
+            Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, emissive, cancelled };
         let field = Field::on(&grids, layers, &context)?;
         let has_sky = has_sky(snapshot.sky);
-        Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, has_glow, once_less: None })
+        Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, has_emission, once_less: None })
     }
 }
 

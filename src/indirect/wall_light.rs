@@ -24,7 +24,7 @@ pub(super) struct WallLight<'a> {
     pub(super) lights: &'a [Luminaire],
     /// Emissive surfaces that light walls as lamps do; their points nearer than `nearest_m` do not count,
     /// metres.
-    pub(super) glow: &'a [Luminaire],
+    pub(super) emissive: &'a [Luminaire],
     pub(super) nearest_m: f64,
     pub(super) grid: &'a Grid,
     pub(super) fog: &'a DeltaScaledFog<'a>,
@@ -83,9 +83,9 @@ impl WallLight<'_> {
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
             let lamps = self.lights.iter().map(|light| (light, 0.0));
-            let glow = self.glow.iter().map(|light| (light, self.nearest_m));
+            let emissive = self.emissive.iter().map(|light| (light, self.nearest_m));
             let arriving = |light| self.arriving(light, (patch, primitive));
-            let lights: Vec<Arriving> = lamps.chain(glow).filter_map(arriving).collect();
+            let lights: Vec<Arriving> = lamps.chain(emissive).filter_map(arriving).collect();
             let highlights =
                 highlights::of_patch(self.snapshot, (patch, primitive), &lights, self.quadrature);
             (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)

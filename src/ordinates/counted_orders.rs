@@ -10,7 +10,7 @@ use super::sweep::Swept;
 use super::wanted::Wanted;
 
 /// Number of orders that a finer grid gets apart; the last of them includes all later ones.
-pub(super) const MOST_TOLD: usize = 16;
+pub(super) const MOST_ORDERS: usize = 16;
 
 impl SourceIteration<'_> {
     /// Adds so many orders to `light`. `first` is the first order if it has been swept along fine ordinates;
@@ -55,7 +55,7 @@ impl SourceIteration<'_> {
 
 /// Adds an order to those of a finer grid.
 fn tell(radiances: &mut Vec<AngularRadiance>, of_order: Option<AngularRadiance>) {
-    match (radiances.get_mut(MOST_TOLD - 1), of_order) {
+    match (radiances.get_mut(MOST_ORDERS - 1), of_order) {
         (Some(last), Some(of_order)) => last.add(&of_order),
         (_, of_order) => radiances.extend(of_order),
     }

@@ -27,7 +27,7 @@ impl Series {
     /// Adds an order's light and the sum of all orders so far. Returns whether the remainder is small and the
     /// estimated sum stable.
     pub(super) fn go_on(&mut self, order: [f64; 3], so_far: [f64; 3]) -> bool {
-        let mut is_told = true;
+        let mut is_stable = true;
         (self.is_endless, self.ratio) = (false, 0.0);
         for channel in 0..3 {
             let ratio = match self.last[channel] {
@@ -39,9 +39,9 @@ impl Series {
             let rest = ratio / (1.0 - ratio);
             let left = rest * order[channel];
             let all = so_far[channel] + left;
-            is_told &= left <= REST * all && (all - self.all[channel]).abs() <= SURPRISE * all;
+            is_stable &= left <= REST * all && (all - self.all[channel]).abs() <= SURPRISE * all;
             (self.last[channel], self.rest[channel], self.all[channel]) = (order[channel], rest, all);
         }
-        is_told
+        is_stable
     }
 }

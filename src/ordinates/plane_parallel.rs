@@ -6,7 +6,7 @@
 //! linear in optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the
 //! linear transport equation"). It is solved by source iteration: an iteration is one more scattering.
 
-use super::counted_orders::MOST_TOLD;
+use super::counted_orders::MOST_ORDERS;
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
 use super::moment_operators::{DEGREES, HARMONICS, Harmonics, MomentOperators, basis, by_degree};
 use crate::color::Rgb;
@@ -220,7 +220,7 @@ impl Solver<'_> {
                 break;
             }
             source = self.scatter(&light);
-            match by_order.get_mut(MOST_TOLD - 1) {
+            match by_order.get_mut(MOST_ORDERS - 1) {
                 _ if orders.is_none() => {}
                 Some(of_last) => add(of_last, &light, 1.0),
                 None => by_order.push(light),

@@ -249,8 +249,10 @@ impl<'a> SourceIteration<'a> {
                 self.sweep(&source, BoundaryCondition::Vacuum, &Wanted::ORDERS).moments
             };
             light.add(&next, [1.0; 3]);
-            let told = series.go_on(next.total(), light.total());
-            if iteration >= FEWEST_ITERATIONS && told || iteration == MOST_ITERATIONS && series.is_endless {
+            let is_stable = series.go_on(next.total(), light.total());
+            if iteration >= FEWEST_ITERATIONS && is_stable
+                || iteration == MOST_ITERATIONS && series.is_endless
+            {
                 light.add(&next, series.rest.map(|rest| rest as f32));
                 sent.add(&source, series.rest);
                 break;

@@ -48,7 +48,7 @@ const PIXELS_OF_BLOCK: f64 = 100.0;
 /// Ratio of errors in blocks of pixels to those in surroundings, which are larger.
 const FINER: f64 = 1.1;
 /// Width of the reported error, in standard errors: nineteen of twenty blocks are within it.
-const TOLD: f64 = 2.0;
+const STANDARD_ERRORS: f64 = 2.0;
 
 /// Estimate of indirect light's error.
 pub(super) struct GridError {
@@ -143,8 +143,8 @@ impl GridError {
         let added = luminance((0..PASSES).map(added).sum());
         // The walks' rays are many more than a survey's, so their mean of indirect light is better.
         let picture = survey.direct + luminance(mean_light) + added;
-        let told = TOLD * (squares.sum() / cells).sqrt();
-        let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let error = STANDARD_ERRORS * (squares.sum() / cells).sqrt();
+        let relative = if error > 0.0 { error / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
         Self { correction: Correction { size, shares: correction }, squares, relative }
     }
 
@@ -156,7 +156,7 @@ impl GridError {
             middle(window.x, window.width, job.size.width),
             middle(window.y, window.height, job.size.height),
         );
-        TOLD * self.squares.of(self.squares.shape.cell_at(place)).sqrt()
+        STANDARD_ERRORS * self.squares.of(self.squares.shape.cell_at(place)).sqrt()
     }
 }
 

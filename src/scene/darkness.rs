@@ -42,7 +42,7 @@ pub enum DarkCause {
 }
 
 /// Whether surfaces or fires shine of themselves.
-pub(super) fn glows(scene: &Scene, time_s: f64) -> bool {
+pub(super) fn emits(scene: &Scene, time_s: f64) -> bool {
     scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO)
         || scene.fogs.iter().any(|fog| fog.shape.emits())
 }
@@ -52,14 +52,14 @@ pub fn dark_cause(scene: &Scene, camera: usize, time_s: f64, covered: f64) -> Da
     let placements = scene.placements(time_s);
     let is_seen = |instance: &&Instance| placements[instance.node].visible;
     let shines = |light: &Light| placements[light.node].visible && brightest(light, time_s) > 0.0;
-    let glows = glows(scene, time_s);
-    if scene.lights.is_empty() && scene.sky.is_none() && !glows {
+    let emits = emits(scene, time_s);
+    if scene.lights.is_empty() && scene.sky.is_none() && !emits {
         DarkCause::NoLight
     } else if scene.instances.iter().all(|instance| !is_seen(&instance)) {
         DarkCause::NothingVisible
     } else if covered < HARDLY_COVERED {
         DarkCause::OutsidePicture
-    } else if scene.sky.is_none() && !glows && !scene.lights.iter().any(shines) {
+    } else if scene.sky.is_none() && !emits && !scene.lights.iter().any(shines) {
         DarkCause::LightsOff
     } else if let Some(lux_or_candela) = dim_lights(scene, time_s) {
         DarkCause::DimLights { lux_or_candela }
@@ -193,10 +193,10 @@ mod tests {
     }
 
     #[test]
-    fn what_glows_is_light() {
-        let mut glowing = Scene { lights: Vec::new(), ..scene(FAR, 1.0) };
-        glowing.materials[0].emission = Rgb::splat(1e-6);
-        assert_eq!(dark_cause(&glowing, 0, 0.0, 0.5), DarkCause::TooLittleLight);
+    fn what_emits_is_light() {
+        let mut emissive = Scene { lights: Vec::new(), ..scene(FAR, 1.0) };
+        emissive.materials[0].emission = Rgb::splat(1e-6);
+        assert_eq!(dark_cause(&emissive, 0, 0.0, 0.5), DarkCause::TooLittleLight);
     }
 
     /// Only numbers that were taken for lux and candela are doubted, and only if all are small.

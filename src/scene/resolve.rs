@@ -113,7 +113,7 @@ fn light_up(scene: &mut Scene, settings: &RenderSettings, has_default: bool, fil
         return;
     }
     let first_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
-    if scene.lights.is_empty() && scene.sky.is_none() && !darkness::glows(scene, first_s) {
+    if scene.lights.is_empty() && scene.sky.is_none() && !darkness::emits(scene, first_s) {
         let found = "the scene has a background and no light";
         let remedy = "export with lights, or let the background light surfaces: `lights` of `sunfleck_env`";
         scene.remarks.push(Diagnostic::warning(Loss::NoLight, file.clone(), found).remedy(remedy));

@@ -113,7 +113,7 @@ impl<'scene> Contents<'scene> {
             motion: None,
             mattes: None,
             seen_fog: OnceLock::new(),
-            glow: OnceLock::new(),
+            emissive: OnceLock::new(),
         }
     }
 

@@ -6,9 +6,9 @@
 mod bent_mesh;
 mod blended;
 mod contents;
+mod emissive_surfaces;
 mod exposure;
 mod fog_lattice;
-mod glow;
 mod lens;
 mod luminaire;
 mod mesh_parts;
@@ -39,8 +39,8 @@ use still::Still;
 pub use crate::light::{Cone, Emission, FrozenLight, LampShape, LightPlace};
 pub use blended::{BlendedHit, NEGLIGIBLE};
 pub use contents::Contents;
+pub use emissive_surfaces::EmissiveSurfaces;
 pub use exposure::Exposure;
-pub use glow::Glow;
 pub use lens::View;
 pub use luminaire::{Luminaire, Watcher};
 pub use mesh_parts::{MeshPart, PartPlace};
@@ -122,7 +122,7 @@ pub struct Snapshot<'scene> {
     /// Fog along camera rays, if it was precomputed.
     seen_fog: OnceLock<Arc<SeenFog>>,
     /// Emissive surfaces, after their first use.
-    glow: OnceLock<Option<Glow>>,
+    emissive: OnceLock<Option<EmissiveSurfaces>>,
 }
 
 /// A moment of a frame.

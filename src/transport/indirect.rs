@@ -3,7 +3,7 @@
 
 use super::path::{Path, Start};
 use super::visibility::Way;
-use super::{glow, paths, sky_light, specular};
+use super::{emissive, paths, sky_light, specular};
 use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Ray;
@@ -21,8 +21,9 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if !path.light.has_rest {
         return seen;
     }
-    let glow = if indirect.has_glow() { Rgb::ZERO } else { glow::by_surface(path, point, by_rays) };
-    seen + glow + indirect.scattered(path.snapshot, point, 1.0 - by_rays)
+    let emission =
+        if indirect.has_emission() { Rgb::ZERO } else { emissive::by_surface(path, point, by_rays) };
+    seen + emission + indirect.scattered(path.snapshot, point, 1.0 - by_rays)
 }
 
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.

@@ -11,11 +11,11 @@
 
 use super::connection::Receiver;
 use super::direct;
-use super::fog_glow;
-use super::glow;
+use super::emissive;
+use super::emissive_fog_light::{Collision, Collisions};
+use super::fog_emission;
 use super::lamp_fog;
 use super::lamp_spots;
-use super::lit_by_glow::{Collision, Collisions};
 use super::lobes::Lobes;
 use super::march;
 use super::path::{Illumination, Path};
@@ -75,12 +75,12 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     };
     let collisions = Collisions { along, losses, weights: Rgb::ONE, chance: 1.0 };
     mean_of(path, path.light.branches.in_fog, |path| {
-        let (t, by_glow) = collisions.lit(path, ray);
-        let lit = seen_through(t) * by_glow;
+        let (t, by_emission) = collisions.lit(path, ray);
+        let lit = seen_through(t) * by_emission;
         let u = path.sampler.next_2d();
         let Some(loss) = collisions.along.sample_loss(Rgb::ONE, &losses, u.into()) else { return lit };
         let throughput = loss.through_per_density * seen_through(loss.t);
-        let collision = path.snapshot.glow().map(|_| collisions.at(ray, loss.t));
+        let collision = path.snapshot.emissive().map(|_| collisions.at(ray, loss.t));
         let vertex = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }, collision);
         lit + vertex.lit_by_scattered(path, bounces, throughput)
     })
@@ -112,8 +112,8 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let at_first = leg.throughput.max_element();
     let (mut sum, light) = (Rgb::ZERO, path.light);
     // A last leg that collects emission alone, so that emission is scattered as often as light of lamps.
-    let glows = path.snapshot.glow().is_some() || path.snapshot.medium.emits();
-    let legs = most + u32::from(glows);
+    let emits = path.snapshot.emissive().is_some() || path.snapshot.medium.emits();
+    let legs = most + u32::from(emits);
     for number in 1..=legs {
         let Some(vertex) = leg.next_vertex(path, &mut sum, number <= most) else { break };
         sum += leg.throughput * vertex.met(path, &leg);
@@ -152,7 +152,7 @@ impl Leg {
             let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
             *sum += self.throughput * lamp_fog::on_leg(path, &self.ray, self.turn, distance);
             let way = Way { distance, ..Way::default() };
-            *sum += self.throughput * fog_glow::on_the_way(path, &self.ray, &way);
+            *sum += self.throughput * fog_emission::on_the_way(path, &self.ray, &way);
             if let Some(vertex) = self.lost_in_fog(path, distance, is_lit.then_some(&mut *sum)) {
                 return Some(vertex);
             }
@@ -174,9 +174,9 @@ impl Leg {
         let (medium, ray, weights) = (&path.snapshot.medium, self.ray, self.throughput);
         let along = medium.along(&ray, distance);
         let losses = along.losses(weights)?;
-        let glow = path.snapshot.glow();
+        let emissive = path.snapshot.emissive();
         let collisions = Collisions { along, losses, weights, chance: losses.chance };
-        if let Some(sum) = lit.filter(|_| glow.is_some()) {
+        if let Some(sum) = lit.filter(|_| emissive.is_some()) {
             *sum += self.throughput * collisions.lit(path, &ray).1;
         }
         let (u, v) = path.sampler.next_2d();
@@ -187,7 +187,7 @@ impl Leg {
         }
         let loss = collisions.along.sample_loss(weights, &losses, [u / losses.chance, v])?;
         self.throughput *= loss.through_per_density / losses.chance;
-        let collision = glow.map(|_| collisions.at(&ray, loss.t));
+        let collision = emissive.map(|_| collisions.at(&ray, loss.t));
         Some(Vertex::Fog(Ray { origin: ray.at(loss.t), ..ray }, collision))
     }
 
@@ -228,7 +228,7 @@ impl Vertex {
             Self::Surface(point) => {
                 let of_suns = sun_spots::met(path, (turn, throughput), point);
                 let of_lamps = lamp_spots::met(path, turn, point);
-                glow::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
+                emissive::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
             }
             Self::Fog(ray, _) => {
                 // Light of lamps was sampled along the leg.
@@ -293,7 +293,7 @@ impl Vertex {
 
 /// Radiance of points sampled by brightness, as a vertex scatters it towards the eye.
 fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
-    glow::scattered(path, receiver, collision)
+    emissive::scattered(path, receiver, collision)
         + lamp_spots::scattered(path, receiver)
         + sun_spots::scattered(path, receiver)
         + lamp_fog::scattered(path, receiver)

@@ -9,7 +9,7 @@ use super::shafts;
 use super::stack::Stack;
 use super::visibility::{RayEnd, Way, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};
-use super::{direct, fog_glow, indirect, lamps_seen, sky_light};
+use super::{direct, fog_emission, indirect, lamps_seen, sky_light};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
@@ -212,7 +212,7 @@ impl Path<'_> {
         }
         shafts::in_scattered(self, (ray, from), way)
             + sky_light::in_scattered(self, (ray, from), way)
-            + fog_glow::on_the_way(self, ray, way)
+            + fog_emission::on_the_way(self, ray, way)
     }
 
     /// The share of a ray that ends at blended holdouts.

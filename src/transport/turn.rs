@@ -3,7 +3,7 @@
 //! up to 1; see `connection.rs`.
 
 use super::connection::per_sr;
-use super::lit_by_glow::Collision;
+use super::emissive_fog_light::Collision;
 use crate::snapshot::SurfacePoint;
 use glam::DVec3;
 

@@ -241,7 +241,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn remark_no_light(&mut self) {
-        if self.scene.lights.is_empty() && self.scene.sky.is_none() && !darkness::glows(&self.scene, 0.0) {
+        if self.scene.lights.is_empty() && self.scene.sky.is_none() && !darkness::emits(&self.scene, 0.0) {
             let place = self.problems.place("lights");
             let remedy = "add `lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: (3.0, 3.0, 3.0)) }`";
             let remark = Diagnostic::warning(Loss::NoLight, place, "the scene has no light").remedy(remedy);

@@ -15,7 +15,7 @@ use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{RaySegment, by_segments};
 use crate::transport::visibility::Way;
 use crate::transport::{Branches, Sample};
-use crate::transport::{fog_glow, indirect, lamps_seen};
+use crate::transport::{fog_emission, indirect, lamps_seen};
 
 /// A ray of a slice and its first hit.
 pub(super) struct SliceRay<'a> {
@@ -108,9 +108,9 @@ impl SliceRay<'_> {
             .indirect()
             .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
         let way = Way { distance, ..Way::default() };
-        let glow = fog_glow::on_the_way(&path, ray, &way);
+        let emission = fog_emission::on_the_way(&path, ray, &way);
         let lamps = lamps_seen::on_the_way(&path, (ray, Start::Camera), &way);
-        let shafts = shafts + indirect_shafts + glow;
+        let shafts = shafts + indirect_shafts + emission;
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg::new(

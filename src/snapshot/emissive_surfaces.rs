@@ -23,7 +23,7 @@ const MOST_LOOKED_FOR: usize = 1 << 16;
 const MOST_BODIES: usize = 64;
 
 /// Emissive triangles, from which points are sampled by power.
-pub struct Glow {
+pub struct EmissiveSurfaces {
     triangles: Vec<PrimitiveId>,
     /// Sums of area times luminance, textures aside, up to and including each triangle.
     up_to: Vec<f64>,
@@ -54,7 +54,7 @@ impl Body {
     }
 }
 
-impl Glow {
+impl EmissiveSurfaces {
     /// Collects the emissive triangles; `None` if there are none.
     pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
         if snapshot.materials.iter().all(|material| material.emission == Rgb::ZERO) {
@@ -72,9 +72,10 @@ impl Glow {
                 }
             }
         }
-        let mut glow = Self { triangles, up_to, bodies: Vec::new() };
-        glow.bodies = glow.parted(MOST_BODIES).into_iter().map(|range| glow.body(snapshot, range)).collect();
-        (all > 0.0 && all.is_finite()).then_some(glow)
+        let mut emissive = Self { triangles, up_to, bodies: Vec::new() };
+        emissive.bodies =
+            emissive.parted(MOST_BODIES).into_iter().map(|range| emissive.body(snapshot, range)).collect();
+        (all > 0.0 && all.is_finite()).then_some(emissive)
     }
 
     /// Triangles by instance, or all of them together if there are too many instances.
@@ -202,7 +203,7 @@ impl Glow {
         self.bodies.iter().map(of_body).sum::<f64>() / self.weight(place)
     }
 
-    /// Probability density of [`Glow::sample`] for points of a triangle, 1/m^2; 0 if it does not emit.
+    /// Probability density of [`Self::sample`] for points of a triangle, 1/m^2; 0 if it does not emit.
     pub fn pdf_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
         let brightness = luminance(snapshot.emission(primitive));
         if brightness <= 0.0 {
@@ -228,8 +229,8 @@ fn evenly([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
 
 impl Snapshot<'_> {
     /// Emissive surfaces, collected on first use; `None` if there are none.
-    pub fn glow(&self) -> Option<&Glow> {
-        self.glow.get_or_init(|| Glow::of(self)).as_ref()
+    pub fn emissive(&self) -> Option<&EmissiveSurfaces> {
+        self.emissive.get_or_init(|| EmissiveSurfaces::of(self)).as_ref()
     }
 
     /// Radiance that a triangle's material emits, without its texture and vertex colours.

@@ -5,7 +5,7 @@
 
 use super::connection::{Receiver, Target};
 use super::direct::scattered_per_radiance;
-use super::lit_by_glow::Collision;
+use super::emissive_fog_light::Collision;
 use super::lobes::Lobes;
 use super::path::Path;
 use super::turn::Turn;
@@ -21,9 +21,11 @@ const SHARES_OF_POINTS: [f64; 2] = [0.9, 0.25];
 /// Radiance of emissive surfaces that a surface scatters towards the eye, W m^-2 sr^-1, by one ray. Its
 /// direction is to a sampled point or sampled by the BSDF. Other rays find a share of the specular part.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others: f64) -> Rgb {
-    let (Some(lobes), Some(glow)) = (Lobes::of(point), path.snapshot.glow()) else { return Rgb::ZERO };
+    let (Some(lobes), Some(emissive)) = (Lobes::of(point), path.snapshot.emissive()) else {
+        return Rgb::ZERO;
+    };
     let [far, about] = SHARES_OF_POINTS;
-    let share_of_points = far + (about - far) * glow.nearness(point.position);
+    let share_of_points = far + (about - far) * emissive.nearness(point.position);
     let specular = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point };
     let of_others = |direction| match share_of_others {
         0.0 => Rgb::ZERO,
@@ -78,9 +80,10 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
 /// a collision.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
-    let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
-    let (primitive, position) = glow.sample(snapshot, receiver.place, path.sampler.next_3d());
-    let target = Target { primitive, position, per_m2: glow.pdf_per_m2(snapshot, receiver.place, primitive) };
+    let Some(emissive) = snapshot.emissive().filter(|_| light.has_rest) else { return Rgb::ZERO };
+    let (primitive, position) = emissive.sample(snapshot, receiver.place, path.sampler.next_3d());
+    let target =
+        Target { primitive, position, per_m2: emissive.pdf_per_m2(snapshot, receiver.place, primitive) };
     receiver.lit_by(snapshot, &target, |point| {
         let by_phase =
             |collision: &Collision| collision.share(point, (receiver.pdf)(-point.to_eye), target.per_m2);
@@ -92,8 +95,8 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<
 /// mirror.
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);
-    let (Some(turn), Some(glow)) = (turn, path.snapshot.glow()) else { return emitted };
-    let per_m2 = glow.pdf_per_m2(path.snapshot, turn.place, point.primitive);
+    let (Some(turn), Some(emissive)) = (turn, path.snapshot.emissive()) else { return emitted };
+    let per_m2 = emissive.pdf_per_m2(path.snapshot, turn.place, point.primitive);
     let share = turn.collision.map_or(1.0, |collision| collision.share(point, turn.density, per_m2));
     share * emitted * turn.share_of_met(point, per_m2)
 }

@@ -53,9 +53,12 @@ impl Collisions<'_> {
     /// point's distance, too.
     pub(super) fn lit(&self, path: &mut Path, ray: &Ray) -> (f64, Rgb) {
         let (snapshot, light) = (path.snapshot, path.light);
-        let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return (0.0, Rgb::ZERO) };
+        let Some(emissive) = snapshot.emissive().filter(|_| light.has_rest) else {
+            return (0.0, Rgb::ZERO);
+        };
         let range = self.losses.range();
-        let (primitive, position, per_m2) = glow.sample_along(snapshot, (ray, range), path.sampler.next_3d());
+        let (primitive, position, per_m2) =
+            emissive.sample_along(snapshot, (ray, range), path.sampler.next_3d());
         let angle = Angle::of(ray, position);
         let t = angle.sample(range, path.sampler.next_1d());
         let (medium, place) = (&snapshot.medium, ray.at(t));
@@ -66,7 +69,7 @@ impl Collisions<'_> {
             scattered: &|to| medium.scattering_at(place, ray.direction.dot(to)),
             pdf: &|_| 0.0,
         };
-        let by_point = glow.pdf_per_m2(snapshot, place, primitive);
+        let by_point = emissive.pdf_per_m2(snapshot, place, primitive);
         let scattered = receiver.lit_by(snapshot, &Target { primitive, position, per_m2 }, |point| {
             let by_phase = henyey_greenstein_pdf(g, -ray.direction.dot(point.to_eye));
             light.emitted(point) * (1.0 - collision.share(point, by_phase, by_point))
