@@ -16,6 +16,8 @@ from palettes import RAMPS, Color, Ramp, mix
 
 EVEN = 0.26
 """Patchiness of most leaves."""
+RIM = 0.16
+"""How far from the edge a blade thickens towards it, as a share of `edge_distance`: 2.5 % of its length."""
 
 
 def local_ages(maps: LeafMaps, age: float, patchiness: float) -> Map:
@@ -59,21 +61,21 @@ def packed(color: Color) -> bytes:
 
 
 def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
-    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and
-    spots hold light back."""
+    """What a leaf lets through: twice through the pigments, so deeper in colour; veins, spots and the
+    thicker rim hold light back."""
     rows = []
     elsewhere = packed(ramp.at(age + 0.2))
-    for shown, ages, veins, nets, spots in zip(
-        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots
+    for shown, ages, veins, nets, spots, edge in zip(
+        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots, maps.edge_distance
     ):
         row = bytearray()
-        for here, local, v, n, s in zip(shown, ages, veins, nets, spots):
+        for here, local, v, n, s, d in zip(shown, ages, veins, nets, spots, edge):
             if not here:
                 row += elsewhere
                 continue
             color = ramp.at(local)
             most = max(color)
-            held = (1 - 0.50 * v) * (1 - 0.18 * n) * (1 - 0.75 * s)
+            held = (1 - 0.50 * v) * (1 - 0.18 * n) * (1 - 0.75 * s) * (1 - 0.55 * max(0.0, 1 - d / RIM))
             # Brighter than the reflectance by the share that the surface does not reflect.
             row += packed([1.12 * most * (c / most) ** 1.5 * held for c in color])
         rows.append(bytes(row))
