@@ -10,7 +10,6 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use sunfleck::color::Rgb;
 use sunfleck::description;
-use sunfleck::math::Ray;
 use sunfleck::scene::{self, Material, Mesh, Scene, TextureIndex};
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 
@@ -110,9 +109,14 @@ fn seen(scene: &Scene) -> BTreeMap<u32, (usize, DVec2)> {
     let mut seen: BTreeMap<u32, (usize, DVec2)> = BTreeMap::new();
     for pixel in 0..PICTURE.0 * PICTURE.1 {
         let place = DVec2::new((pixel % PICTURE.0) as f64 + 0.5, (pixel / PICTURE.0) as f64 + 0.5);
-        let Ray { origin, direction } = snapshot.view.ray(place.x / width, place.y / height);
-        let ray = Ray { origin, direction };
-        if let Some(hit) = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None) {
+        let mut ray = snapshot.view.ray(place.x / width, place.y / height);
+        let mut hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None);
+        // Behind leaves that shade alone.
+        while let Some(unseen) = hit.filter(|hit| !snapshot.is_seen(hit.primitive)) {
+            ray.origin = ray.at(unseen.t);
+            hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, Some(unseen.primitive));
+        }
+        if let Some(hit) = hit {
             let (pixels, sum) = seen.entry(snapshot.surface(&ray, &hit).leaf_id).or_default();
             (*pixels, *sum) = (*pixels + 1, *sum + place / height);
         }

@@ -5,13 +5,13 @@
     .venv/bin/python tools/peers/title_in_cycles.py --sunfleck target/release/sunfleck
 
 What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc
-in it. Trees, leaves with the light through them, fog, the sun's extent and the lens stay. Cycles has no
-bounces, which is direct light and single scattering. Errors are of one picture against a reference of
-many samples made here; that of Cycles also as two seeds differ, which no difference between the pictures
-themselves can raise. So many samples as Cycles needs for our error are extrapolated from those it was
-given, by the root. Its errors fall a little faster (the power 0.55 from 16 to 96 samples), so give it
-nearly enough: from 16 samples the ratio at 640x360 was a quarter too large. Processor seconds, without
-what reading and building take.
+in it. Leaves that shade unseen are seen in both. Trees, leaves with the light through them, fog, the sun's
+extent and the lens stay. Cycles has no bounces, which is direct light and single scattering. Errors are of
+one picture against a reference of many samples made here; that of Cycles also as two seeds differ, which no
+difference between the pictures themselves can raise. So many samples as Cycles needs for our error are
+extrapolated from those it was given, by the root. Its errors fall a little faster (the power 0.55 from 16 to
+96 samples), so give it nearly enough: from 16 samples the ratio at 640x360 was a quarter too large.
+Processor seconds, without what reading and building take.
 """
 
 import math
@@ -33,12 +33,14 @@ from sunfleck_tools.peers.suns import changed
 
 
 def without_what_differs(document):
-    """Removes gloss, sky, and a sun visible to the camera from a glTF document."""
+    """Removes gloss, sky, a sun that the camera sees and flags of leaves that it does not."""
     document["scenes"][0]["extras"].pop("sunfleck_env", None)
     for material in document["materials"]:
         material.setdefault("extensions", {})["KHR_materials_specular"] = {"specularFactor": 0.0}
     for node in document["nodes"]:
-        node.get("extras", {}).get("sunfleck_light", {}).pop("visible_to_camera", None)
+        extras = node.get("extras", {})
+        extras.get("sunfleck_light", {}).pop("visible_to_camera", None)
+        extras.pop("sunfleck_object", None)
 
 
 def scene_of(bare, frame, size):
