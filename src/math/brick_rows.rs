@@ -22,7 +22,7 @@ pub(super) struct BrickRows {
 /// Location of a brick's rows.
 #[derive(Debug)]
 struct Brick {
-    /// Index among all rows of its first, which is empty.
+    /// Index among all rows of its first, which is empty if any of its rows is.
     first: u32,
     /// Offset from there of each row, by x and y, y fastest.
     rows: [u8; ROWS],
@@ -39,28 +39,27 @@ impl BrickRows {
     /// Empty, with room for so many bricks.
     pub(super) fn of_up_to(bricks: usize) -> Self {
         let mut rows = Self::default();
-        rows.values.reserve_exact(bricks * (BRICK + ROW));
+        rows.values.reserve_exact(bricks * BRICK);
         rows
     }
 
     /// Stores a brick of these values, negative ones as 0; returns its index.
     pub(super) fn add(&mut self, values: impl IntoIterator<Item = f32>) -> u32 {
-        let (start, mut rows) = (self.values.len(), [0; ROWS]);
-        self.values.resize(start + ROW, 0.0);
-        let mut values = values.into_iter();
-        for row in &mut rows {
-            let last = self.values.len();
-            self.values.extend(values.by_ref().take(ROW).map(|value| value.max(0.0)));
-            if self.values[last..].iter().any(|value| *value > 0.0) {
-                *row = ((last - start) / ROW) as u8;
-                self.values.resize(last + ROW, 0.0);
-            } else {
-                self.values.truncate(last);
-            }
+        let mut all = [0.0; BRICK];
+        for (stored, value) in all.iter_mut().zip(values) {
+            *stored = value.max(0.0);
         }
-        if self.values.len() == start + ROW {
-            self.values.truncate(start);
+        let is_full = |row: &[f32]| row.iter().any(|value| *value > 0.0);
+        let full = all.chunks_exact(ROW).filter(|row| is_full(row)).count();
+        if full == 0 {
             return NOTHING;
+        }
+        let (start, mut rows) = (self.values.len(), [0; ROWS]);
+        // Empty rows share the first.
+        self.values.resize(start + if full < ROWS { ROW } else { 0 }, 0.0);
+        for (place, row) in rows.iter_mut().zip(all.chunks_exact(ROW)).filter(|(_, row)| is_full(row)) {
+            *place = ((self.values.len() - start) / ROW) as u8;
+            self.values.extend_from_slice(row);
         }
         self.bricks.push(Brick { first: (start / ROW) as u32, rows });
         self.bricks.len() as u32 - 1
@@ -110,7 +109,9 @@ mod tests {
         let before = rows.memory();
         let first = rows.add((0..BRICK).map(one(77)));
         assert_eq!(rows.memory() - before, 2 * ROW * 4 + size_of::<Brick>());
+        let before = rows.memory();
         let full = rows.add((0..BRICK).map(|place| place as f32 + 1.0));
+        assert_eq!(rows.memory() - before, BRICK * 4 + size_of::<Brick>());
         let short = rows.add([0.0, 3.0]);
         for place in 0..BRICK {
             assert_eq!(rows.brick(first)[place], one(77)(place).max(0.0));

@@ -2,7 +2,7 @@
 //! of lines along the direction. Invariant: at the lattice's nodes they are exact to a 65,535th of the line's
 //! whole depth; between them they are linear.
 
-use super::{Ray, Voxels, bounds, corners};
+use super::{Ray, Voxels, bounds, close_up, corners};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
@@ -33,7 +33,7 @@ pub struct VoxelDepths {
 }
 
 /// Location of a line's depths.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Line {
     /// Index of its first depth.
     first: u32,
@@ -67,10 +67,10 @@ impl VoxelDepths {
         let places: Vec<f64> = (0..size[2]).map(|index| spacing * index as f64).collect();
         let of_row = size[1] * (size[2] + 1);
         // What no line comes to write takes no memory.
-        let mut parts = vec![0; size[0] * of_row];
-        let row = |(i, parts): (usize, &mut [u16])| {
+        let (mut parts, mut lines) = (vec![0; size[0] * of_row], vec![Line::default(); size[0] * size[1]]);
+        let row = |(i, (parts, lines)): (usize, (&mut [u16], &mut [Line]))| {
             let mut end = 0;
-            let line = |j: usize| {
+            for (j, line) in lines.iter_mut().enumerate() {
                 let [x, y] = [i, j].map(|index| spacing * index as f64);
                 let origin = (from.x + x) * right + (from.y + y) * across + from.z * up;
                 let before = voxels.integrals(&Ray { origin, direction: up }, &places);
@@ -88,11 +88,11 @@ impl VoxelDepths {
                 }
                 let [first, skipped, steps] =
                     [i * of_row + start, skipped, nodes.len() - 1].map(|count| count as u32);
-                Line { first, skipped, steps, of_part: of_part as f32 }
-            };
-            (0..size[1]).map(line).collect::<Vec<_>>()
+                *line = Line { first, skipped, steps, of_part: of_part as f32 };
+            }
         };
-        let lines = parts.par_chunks_mut(of_row).enumerate().flat_map_iter(row).collect();
+        parts.par_chunks_mut(of_row).zip(lines.par_chunks_mut(size[1])).enumerate().for_each(row);
+        close_up(&mut parts, lines.iter_mut().map(|line| (&mut line.first, line.steps as usize + 2)));
         Self { axes, low: from, spacing, columns: size[1], lines, parts }
     }
 

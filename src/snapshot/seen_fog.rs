@@ -7,7 +7,7 @@ use super::fog_lattice::{Between, FogLattice};
 use super::{FrozenLight, Snapshot};
 use crate::color::Rgb;
 use crate::fog::{LitSegments, Passage, exp_minus, henyey_greenstein};
-use crate::math::Ray;
+use crate::math::{Ray, close_up};
 use crate::scene::Size;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -51,9 +51,12 @@ pub struct SeenFog {
     of_part: Vec<f32>,
 }
 
+/// Values, parts and lines of a row of rays.
+type Row<'a> = ((&'a mut [u16], &'a mut [f32]), &'a mut [Line]);
+
 /// Location of a ray's values: from the last step at which all are 0 to the first at which none grows any
 /// more.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Line {
     /// Index of its first value.
     first: u32,
@@ -64,6 +67,11 @@ struct Line {
 }
 
 impl Line {
+    /// Its first index, and its number of values.
+    fn span(&mut self, of_step: usize) -> (&mut u32, usize) {
+        (&mut self.first, of_step * (usize::from(self.steps) + 1))
+    }
+
     /// Index of the first value at one of the lattice's steps, of which each has so many.
     #[inline]
     fn place(self, step: usize, of_step: usize) -> usize {
@@ -98,14 +106,14 @@ impl SeenFog {
         let mut fog = on(FIRST_NUMBERS, FIRST_SPACING_PX)?;
         let mut error = fog.error();
         while error > WANTED {
-            let numbers = fog.parts.len() as f64;
+            let numbers = fog.numbers();
             drop(fog);
             // Between rays the error goes as their distance squared.
             fog = on((MARGIN * error / WANTED * numbers).min(MOST_NUMBERS), SPACING_PX)?;
             error = fog.error();
-            let is_finest = fog.parts.len() as f64 <= FINER * numbers;
+            let is_finest = fog.numbers() <= FINER * numbers;
             if is_finest {
-                let is_large = fog.parts.len() as f64 > 0.5 * MOST_NUMBERS;
+                let is_large = fog.numbers() > 0.5 * MOST_NUMBERS;
                 return (is_large && error <= TOLERANCE).then_some(fog);
             }
         }
@@ -114,13 +122,13 @@ impl SeenFog {
 
     fn on(lattice: FogLattice, snapshot: &Snapshot, (suns, g, channels): (&[DVec3], f64, usize)) -> Self {
         let (of_step, columns) = (channels * (1 + suns.len()), lattice.columns);
-        let of_ray = of_step * (lattice.steps + 1);
+        let (rays, of_ray) = (lattice.rows * columns, of_step * (lattice.steps + 1));
         // What no line comes to write takes no memory.
-        let mut parts = vec![0; lattice.rows * columns * of_ray];
-        let mut of_part = vec![0.0; lattice.rows * columns * of_step];
-        let row = |(row, (parts, of_part)): (usize, (&mut [u16], &mut [f32]))| {
+        let (mut parts, mut of_part) = (vec![0; rays * of_ray], vec![0.0; rays * of_step]);
+        let mut lines = vec![Line::default(); rays];
+        let row = |(row, ((parts, of_part), lines)): (usize, Row)| {
             let (mut all, mut end) = (vec![0; of_ray], 0);
-            let line = |(column, of_part): (usize, &mut [f32])| {
+            for (column, (of_part, line)) in of_part.chunks_exact_mut(of_step).zip(lines).enumerate() {
                 let ray = lattice.ray(row * columns + column);
                 put(&mut all, of_part, &sums(&lattice, &ray, snapshot, suns), channels);
                 let (skipped, steps) = changing(&all, of_step);
@@ -128,12 +136,12 @@ impl SeenFog {
                 let first = (row * columns * of_ray + end) as u32;
                 parts[end..][..kept.len()].copy_from_slice(kept);
                 end += kept.len();
-                Line { first, skipped: skipped as u16, steps: steps as u16 }
-            };
-            of_part.chunks_exact_mut(of_step).enumerate().map(line).collect::<Vec<_>>()
+                *line = Line { first, skipped: skipped as u16, steps: steps as u16 };
+            }
         };
         let by_row = parts.par_chunks_mut(columns * of_ray).zip(of_part.par_chunks_mut(columns * of_step));
-        let lines = by_row.enumerate().flat_map_iter(row).collect();
+        by_row.zip(lines.par_chunks_mut(columns)).enumerate().for_each(row);
+        close_up(&mut parts, lines.iter_mut().map(|line| line.span(of_step)));
         Self { lattice, suns: suns.to_vec(), g, channels, lines, parts, of_part }
     }
 
@@ -160,6 +168,11 @@ impl SeenFog {
             if errors == 0.0 { 0.0 } else { (errors / if quantity == 0 { count } else { squares }).sqrt() }
         };
         (0..=self.suns.len()).map(of_quantity).fold(0.0, f64::max)
+    }
+
+    /// Number of values of all rays at all steps.
+    fn numbers(&self) -> f64 {
+        (self.lines.len() * (self.lattice.steps + 1) * self.of_step()) as f64
     }
 
     /// Number of values of a step.
