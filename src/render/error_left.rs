@@ -135,6 +135,7 @@ mod tests {
     use super::super::map::Shape;
     use super::super::probes::Probe;
     use super::*;
+    use crate::transport::Noted;
     use glam::DVec2;
 
     /// Estimated error where the two halves' corrections of an exact grid are off by the same amounts, with
@@ -147,7 +148,14 @@ mod tests {
             let place = DVec2::new((column + 0.5) / shape.columns as f64, (row + 0.5) / shape.rows as f64);
             assert_eq!(shape.cell_at(place), cell);
             let light = [Rgb::ONE, Rgb::ZERO];
-            half.add(&Probe { place, weight: 1.0, walk: light, grid: light, drawn: 1, met: Vec::new() });
+            half.add(&Probe {
+                place,
+                weight: 1.0,
+                walk: light,
+                grid: light,
+                drawn: 1,
+                noted: Noted::default(),
+            });
         }
         let shares = |sign: f64| {
             let none = Map::filled(shape, Rgb::ZERO);

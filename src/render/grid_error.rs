@@ -14,8 +14,8 @@ use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
 use crate::indirect::Indirect;
 use crate::scene::{Sampling, Size};
-use crate::snapshot::{FrozenLight, Snapshot};
-use crate::transport::{Branches, MetPoint, SunBeams};
+use crate::snapshot::Snapshot;
+use crate::transport::{Branches, Learned, Noted};
 use glam::DVec2;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -77,8 +77,8 @@ impl GridError {
         let mut halves = none();
         let mut numbers = 0..FIRST;
         let importance = Importance::even(shape);
-        let mut plan = Plan { importance, branches: Branches::ONE, beams: None };
-        let (mut drawn, mut drawn_by_one, mut met) = (0.0, POINTS_OF_A_WALK, Vec::new());
+        let mut plan = Plan { importance, branches: Branches::ONE, learned: None };
+        let (mut drawn, mut drawn_by_one, mut noted) = (0.0, POINTS_OF_A_WALK, Noted::default());
         loop {
             let rays = (BATCH / plan.branches.mean()) as u32;
             for start in numbers.clone().step_by(rays as usize) {
@@ -86,7 +86,7 @@ impl GridError {
                 for (number, probe) in batch.clone().zip(probes(batch, &plan, snapshot, job, indirect)) {
                     halves[(number / RUN % 2) as usize].add(&probe);
                     drawn += f64::from(probe.drawn);
-                    met.extend(probe.met);
+                    noted.extend(probe.noted);
                 }
                 if cancelled() {
                     break;
@@ -106,7 +106,7 @@ impl GridError {
                 plan = Plan {
                     importance: Importance::of(&Light::of(&first).brightness()),
                     branches: branches_by_noise(&first),
-                    beams: Some(Arc::new(beams(snapshot, &std::mem::take(&mut met)))),
+                    learned: Some(Arc::new(Learned::of(&std::mem::take(&mut noted), snapshot))),
                 };
                 halves = none();
                 numbers = FIRST..FIRST + FIRST / 2;
@@ -158,14 +158,6 @@ impl GridError {
         );
         STANDARD_ERRORS * self.squares.of(self.squares.shape.cell_at(place)).sqrt()
     }
-}
-
-/// Beams of suns to where first walks met them.
-fn beams(snapshot: &Snapshot, met: &[MetPoint]) -> SunBeams {
-    SunBeams::learned(met, |light| match snapshot.lights[light].centre() {
-        FrozenLight::Sun { to_light, .. } => Some(to_light),
-        FrozenLight::Point { .. } => None,
-    })
 }
 
 /// Numbers of branches with the least noise for their cost: in proportion to the standard deviation of one.

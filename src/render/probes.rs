@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
-use crate::transport::{Branches, Component, MetPoint, Scratch, SunBeams, Transport};
+use crate::transport::{Branches, Component, Learned, Noted, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -27,15 +27,15 @@ pub(super) struct Probe {
     pub(super) grid: [Rgb; PASSES],
     /// Number of random points of the walk, as its length.
     pub(super) drawn: u32,
-    /// Surface points that the walk met, until beams of suns are learned.
-    pub(super) met: Vec<MetPoint>,
+    /// What the walk met, until walks have learned where light is.
+    pub(super) noted: Noted,
 }
 
-/// Density of probes, the number of walks that branch off each, and beams of suns that they look for.
+/// Density of probes, the number of walks that branch off each, and where these look for light.
 pub(super) struct Plan {
     pub(super) importance: Importance,
     pub(super) branches: Branches,
-    pub(super) beams: Option<Arc<SunBeams>>,
+    pub(super) learned: Option<Arc<Learned>>,
 }
 
 /// Probes of these numbers, distributed over the picture (Owen-scrambled Sobol points).
@@ -51,7 +51,7 @@ pub(super) fn probes(
     numbers
         .into_par_iter()
         .map_init(
-            || Scratch::with_beams(plan.beams.clone()),
+            || Scratch::with_learned(plan.learned.clone()),
             |scratch, number| {
                 let sampler = |column: u32| {
                     Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
@@ -63,7 +63,7 @@ pub(super) fn probes(
                     let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
                     ([sample.indirect, sample.indirect_shafts], sampler.drawn())
                 });
-                Probe { place, weight, walk, grid, drawn, met: scratch.take_met() }
+                Probe { place, weight, walk, grid, drawn, noted: scratch.take_noted() }
             },
         )
         .collect()

@@ -2,7 +2,7 @@
 //! these, draws random numbers and uses the thread's scratch memory. Invariant: a path belongs to one thread.
 
 use super::branches::Branches;
-use super::sun_beams::{MetPoint, SunBeams};
+use super::learned::{Learned, Noted};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
@@ -65,21 +65,21 @@ pub struct Transport<'a> {
 pub struct Scratch {
     pub(super) lit: LitSegments,
     pub(super) lights: Vec<FrozenLight>,
-    /// Beams that random walks look for; `None` until they are learned.
-    pub(super) beams: Option<Arc<SunBeams>>,
-    /// Surface points that walks met until then.
-    pub(super) met: Vec<MetPoint>,
+    /// Where random walks look for light; `None` until it is learned.
+    pub(super) learned: Option<Arc<Learned>>,
+    /// What walks met until then.
+    pub(super) noted: Noted,
 }
 
 impl Scratch {
-    /// Memory of walks that look for beams of suns.
-    pub fn with_beams(beams: Option<Arc<SunBeams>>) -> Self {
-        Self { beams, ..Self::default() }
+    /// Memory of walks that look for light where it was found before.
+    pub fn with_learned(learned: Option<Arc<Learned>>) -> Self {
+        Self { learned, ..Self::default() }
     }
 
-    /// Surface points that walks met since the last time, until beams are learned.
-    pub fn take_met(&mut self) -> Vec<MetPoint> {
-        std::mem::take(&mut self.met)
+    /// What walks met since the last time, as long as nothing is learned.
+    pub fn take_noted(&mut self) -> Noted {
+        std::mem::take(&mut self.noted)
     }
 }
 

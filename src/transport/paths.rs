@@ -17,9 +17,9 @@ use super::fog_emission;
 use super::lamp_fog;
 use super::lamp_spots;
 use super::lobes::Lobes;
-use super::march;
 use super::path::{Illumination, Path};
 use super::sky_light;
+use super::sun_shafts;
 use super::sun_spots;
 use super::turn::Turn;
 use super::visibility::Way;
@@ -28,7 +28,7 @@ use crate::color::{Rgb, luminance};
 use crate::fog::henyey_greenstein_pdf;
 use crate::math::Ray;
 use crate::scene::Bounces;
-use crate::snapshot::{FrozenLight, SurfacePoint};
+use crate::snapshot::SurfacePoint;
 use glam::DVec3;
 
 /// Maximum number of vertices of a walk. In a closed scene without absorption a walk would never end; light
@@ -222,8 +222,7 @@ impl Vertex {
 
     /// Radiance that a walk meets after its turn, in fog per metre: emission, and light that was not
     /// scattered before.
-    fn met(&self, path: &mut Path, &Leg { turn, throughput, .. }: &Leg) -> Rgb {
-        let snapshot = path.snapshot;
+    fn met(&self, path: &mut Path, &Leg { turn, throughput, ray: leg, .. }: &Leg) -> Rgb {
         match self {
             Self::Surface(point) => {
                 let of_suns = sun_spots::met(path, (turn, throughput), point);
@@ -232,8 +231,7 @@ impl Vertex {
             }
             Self::Fog(ray, _) => {
                 // Light of lamps was sampled along the leg.
-                let suns = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
-                let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
+                let of_suns = sun_shafts::met(path, (&leg, turn), throughput, ray);
                 of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
             }
         }
@@ -296,6 +294,7 @@ fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Coll
     emissive::scattered(path, receiver, collision)
         + lamp_spots::scattered(path, receiver)
         + sun_spots::scattered(path, receiver)
+        + sun_shafts::scattered(path, receiver)
         + lamp_fog::scattered(path, receiver)
 }
 

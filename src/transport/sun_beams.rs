@@ -1,6 +1,6 @@
 //! Beams of suns that light what random walks see: where they pass is learned from walks. In go sunlit points
-//! that walks met, out come rays of suns and the density of their ends. Invariant: a ray begins above every
-//! point whose density is positive, so that it ends there if the point is in the sun.
+//! that walks met, out come rays of suns and their density. Invariant: a ray begins above every point whose
+//! density is positive, so that it ends there, or passes, if the point is in the sun.
 
 use crate::math::{KdDensity, Ray};
 use crate::snapshot::FrozenLight;
@@ -14,9 +14,9 @@ const FEWEST: usize = 32;
 /// Margin above the points, as a share of their extent along the beam.
 const ABOVE: f64 = 0.01;
 
-/// Surface point that a walk met.
+/// Point that a walk met, on a surface or in fog.
 #[derive(Clone, Copy, Debug)]
-pub struct MetPoint {
+pub(super) struct MetPoint {
     /// Index of the sun among the snapshot's lights.
     pub(super) light: usize,
     pub(super) position: DVec3,
@@ -26,7 +26,7 @@ pub struct MetPoint {
 
 /// Beams of all suns that are worth it.
 #[derive(Clone, Debug, Default)]
-pub struct SunBeams(Vec<Beam>);
+pub(super) struct SunBeams(Vec<Beam>);
 
 /// Part of a sun's light. Its plane is at right angles to the middle of the sun, above all of its points.
 #[derive(Clone, Debug)]
@@ -37,8 +37,9 @@ pub(super) struct Beam {
     chance: f64,
     /// Unit vectors in the plane, and towards the sun.
     axes: [DVec3; 3],
-    /// Height of the plane along the last axis, metres.
+    /// Height of the plane along the last axis, and of the lowest point below it, metres.
     height: f64,
+    low: f64,
     /// Density of rays in the plane, 1/m^2.
     density: KdDensity,
 }
@@ -46,7 +47,7 @@ pub(super) struct Beam {
 impl SunBeams {
     /// Beams to where walks met the sun; none where they meet it often. `to_sun` has the direction of a light
     /// that is a sun.
-    pub fn learned(met: &[MetPoint], to_sun: impl Fn(usize) -> Option<DVec3>) -> Self {
+    pub(super) fn learned(met: &[MetPoint], to_sun: impl Fn(usize) -> Option<DVec3>) -> Self {
         let count = met.iter().map(|point| point.light + 1).max().unwrap_or(0);
         let beam = |light: usize| {
             let (mut points, mut all) = (Vec::new(), 0_usize);
@@ -69,13 +70,14 @@ impl SunBeams {
         self.0.is_empty()
     }
 
-    /// Beam that a uniform number chooses.
-    pub(super) fn choose(&self, mut u: f64) -> Option<&Beam> {
+    /// Beam that a uniform number chooses, and the remainder of the number, uniform again.
+    pub(super) fn choose(&self, mut u: f64) -> Option<(&Beam, f64)> {
         let chosen = self.0.iter().find(|beam| {
             u -= beam.chance;
             u < 0.0
         });
-        chosen.or(self.0.last())
+        let beam = chosen.or(self.0.last())?;
+        Some((beam, (1.0 + u / beam.chance).clamp(0.0, 1.0 - f64::EPSILON)))
     }
 
     /// The beam of a light.
@@ -97,7 +99,7 @@ impl Beam {
             along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
         let density = KdDensity::of(points.iter().map(placed).collect())?;
         let chance = points.iter().map(|point| point.luminance).sum();
-        Some(Self { light, chance, axes, height: high + ABOVE * (high - low), density })
+        Some(Self { light, chance, axes, height: high + ABOVE * (high - low), low, density })
     }
 
     /// Ray from a point of the sun that two uniform numbers sample.
@@ -109,13 +111,23 @@ impl Beam {
     /// Probability density with which rays from a point of the sun meet an unoccluded point, 1/m^2.
     pub(super) fn per_m2(&self, light: &FrozenLight, position: DVec3, normal: DVec3) -> f64 {
         let FrozenLight::Sun { to_light, .. } = light else { return 0.0 };
+        let Some((ray, _)) = self.ray_through(*to_light, position) else { return 0.0 };
         let [right, up, to_sun] = self.axes;
-        let (below, cos) = (self.height - position.dot(to_sun), to_light.dot(to_sun));
-        if below < 0.0 || cos <= 0.0 {
-            return 0.0;
-        }
-        let in_plane = position + *to_light * (below / cos);
-        let per_m2 = self.density.pdf(DVec2::new(in_plane.dot(right), in_plane.dot(up)));
-        self.chance * per_m2 * to_light.dot(normal).abs() / cos
+        let per_m2 = self.density.pdf(DVec2::new(ray.origin.dot(right), ray.origin.dot(up)));
+        self.chance * per_m2 * to_light.dot(normal).abs() / to_light.dot(to_sun)
+    }
+
+    /// Ray from a point of the sun through a place, and the place's distance along it; `None` above the
+    /// plane.
+    pub(super) fn ray_through(&self, to_light: DVec3, place: DVec3) -> Option<(Ray, f64)> {
+        let to_sun = self.axes[2];
+        let t = (self.height - place.dot(to_sun)) / to_light.dot(to_sun);
+        let is_below = t >= 0.0 && to_light.dot(to_sun) > 0.0;
+        is_below.then(|| (Ray { origin: place + t * to_light, direction: -to_light }, t))
+    }
+
+    /// Length of the rays on which points are sampled, metres.
+    pub(super) fn length(&self) -> f64 {
+        (1.0 + ABOVE) * (self.height - self.low)
     }
 }

@@ -17,11 +17,10 @@ use crate::snapshot::{FrozenLight, SurfacePoint};
 /// Radiance of a spot in the sun that the receiver scatters, W m^-2 sr^-1, from one sampled point.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let (snapshot, lights) = (path.snapshot, path.light.lights);
-    let Some(beams) = path.scratch.beams.as_deref().filter(|beams| !beams.is_empty()) else {
-        return Rgb::ZERO;
-    };
+    let beams = path.scratch.learned.as_deref().map(|learned| &learned.on_surfaces);
+    let Some(beams) = beams.filter(|beams| !beams.is_empty()) else { return Rgb::ZERO };
     let [which, u, v] = path.sampler.next_3d();
-    let Some(beam) = beams.choose(which) else { return Rgb::ZERO };
+    let Some((beam, _)) = beams.choose(which) else { return Rgb::ZERO };
     let Some(light @ &FrozenLight::Sun { to_light, .. }) = lights.get(beam.light) else { return Rgb::ZERO };
     let ray = beam.ray(to_light, [u, v].into());
     let Some(hit) = snapshot.casting().nearest_hit(&ray, f64::INFINITY, None) else { return Rgb::ZERO };
@@ -42,14 +41,15 @@ pub(super) fn met(path: &mut Path, (turn, throughput): (Option<Turn>, Rgb), poin
             continue;
         }
         let scattered = direct::of_light(snapshot, light, point);
-        let share = match (&path.scratch.beams, turn) {
-            (Some(beams), Some(turn)) if scattered != Rgb::ZERO => {
+        let share = match (&path.scratch.learned, turn) {
+            (Some(learned), Some(turn)) if scattered != Rgb::ZERO => {
                 let per_m2 = |beam: &Beam| beam.per_m2(light, point.position, point.geometric_normal);
-                beams.of(number).map_or(1.0, |beam| turn.share_of_met(point, per_m2(beam)))
+                learned.on_surfaces.of(number).map_or(1.0, |beam| turn.share_of_met(point, per_m2(beam)))
             }
             (None, Some(_)) if path.light.indirect_alone => {
                 let luminance = luminance(throughput * scattered);
-                path.scratch.met.push(MetPoint { light: number, position: point.position, luminance });
+                let met = MetPoint { light: number, position: point.position, luminance };
+                path.scratch.noted.on_surfaces.push(met);
                 1.0
             }
             _ => 1.0,

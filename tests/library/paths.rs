@@ -18,10 +18,8 @@ use sunfleck::scene::{
     AlphaMode, AreaShape, Bounces, Clearcoat, Coat, LightKind, Material, Mesh, PixelFilter, Sampling, Scene,
     Sheen, Size, Sky, SkyPicture, Track, Triangle, Window,
 };
-use sunfleck::snapshot::{Exposure, FrozenLight, MeshTrees, Snapshot};
-use sunfleck::transport::{
-    Branches, Component, Sample, Scratch, SunBeams, Transport, VolumeMethod, radiance,
-};
+use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::transport::{Branches, Component, Learned, Sample, Scratch, Transport, VolumeMethod, radiance};
 
 /// Along each side of the picture.
 const RAYS: u32 = 6;
@@ -666,9 +664,8 @@ fn branches_are_as_bright_as_one_walk() {
     }
 }
 
-/// The sun enters a room through a hole: walks that look for where it falls are as bright, with less noise.
-#[test]
-fn walks_that_look_for_the_sun_are_as_bright() {
+/// A room that the sun enters through a hole.
+fn sunlit_room() -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     let grey = || Material { base_color: Rgb::splat(0.7), ..Material::default() };
     for side in [-1.1, 1.0] {
@@ -681,13 +678,20 @@ fn walks_that_look_for_the_sun_are_as_bright() {
         add_box(&mut scene, DVec3::new(low, 1.0, -0.1), DVec3::new(high, 1.1, 0.1), grey());
     }
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, 0.5), Rgb::splat(10.0));
-    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    scene
+}
+
+/// Means and errors of a scene's indirect light by walks alone, and by walks that look for the sun by its
+/// rays.
+fn with_and_without_beams(scene: &Scene) -> [(Rgb, Rgb); 2] {
+    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
     let (transport, light) = (by_paths(Bounces::All), Component::Indirect(Branches::ONE));
     let of_seed = |seed, scratch: &mut Scratch| {
         let of_ray = |number| {
             let (x, y) = Sampler::new(seed, 0, 0, number).next_2d();
             let (ray, mut sampler) = (snapshot.view.ray(x, y), Sampler::new(seed, 1, 0, number));
-            transport.radiance_of(light, &snapshot, &ray, &mut sampler, scratch).indirect
+            let sample = transport.radiance_of(light, &snapshot, &ray, &mut sampler, scratch);
+            sample.indirect + sample.indirect_shafts
         };
         (0..1024).map(of_ray).sum::<Rgb>() / 1024.0
     };
@@ -695,15 +699,30 @@ fn walks_that_look_for_the_sun_are_as_bright() {
         mean_and_error(&(0..SEEDS).map(|seed| of_seed(seed, scratch)).collect::<Vec<_>>())
     };
     let mut first = Scratch::default();
-    let (expected, error) = means(&mut first);
-    let beams = SunBeams::learned(&first.take_met(), |light| match snapshot.lights[light].centre() {
-        FrozenLight::Sun { to_light, .. } => Some(to_light),
-        FrozenLight::Point { .. } => None,
-    });
-    let (found, less) = means(&mut Scratch::with_beams(Some(Arc::new(beams))));
+    let by_walks = means(&mut first);
+    let learned = Learned::of(&first.take_noted(), &snapshot);
+    let by_beams = means(&mut Scratch::with_learned(Some(Arc::new(learned))));
+    [by_walks, by_beams]
+}
+
+/// Walks that look for where the sun falls are as bright, with less noise.
+#[test]
+fn walks_that_look_for_the_sun_are_as_bright() {
+    let [(expected, error), (found, less)] = with_and_without_beams(&sunlit_room());
     println!("by the sun's rays {found:.4} +- {less:.4}, by walks alone {expected:.4} +- {error:.4}");
     assert!((found - expected)[0].abs() < SIGMAS * error[0].hypot(less[0]), "{found} for {expected}");
     assert!(less[0] < 0.7 * error[0], "{less} is no less noise than {error}");
+}
+
+/// So are those that look for the shaft of the sun through fog.
+#[test]
+fn walks_that_look_for_shafts_are_as_bright() {
+    let mut scene = sunlit_room();
+    let (low, high) = (DVec3::splat(-1.0), DVec3::splat(1.0));
+    add_fog(&mut scene, low, high, Rgb::new(0.8, 0.4, 0.2), Rgb::splat(0.9), 0.4);
+    let [(expected, error), (found, less)] = with_and_without_beams(&scene);
+    println!("by shafts {found:.4} +- {less:.4}, by walks alone {expected:.4} +- {error:.4}");
+    assert!((found - expected)[0].abs() < SIGMAS * error[0].hypot(less[0]), "{found} for {expected}");
 }
 
 /// Nothing but plain ground and fog without bounds: the layers of these know nothing of a lamp.
