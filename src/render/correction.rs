@@ -5,7 +5,9 @@
 //! Corrections are means over ever smaller surroundings. Each is shrunk towards the next larger by the share
 //! of noise in their difference (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone
 //! 1995 do so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A relative correction
-//! is smooth across edges, where light itself is not. Dark places are changed little.
+//! is smooth across edges, where light itself is not. Dark places are changed little. Shrunk parts no longer
+//! add up to the whole, so that the difference is shared among them evenly: benchmarking of small area
+//! estimates (Pfeffermann 2013, "New important developments in small area estimation").
 
 use super::map::Map;
 use super::moments::Moments;
@@ -77,23 +79,32 @@ impl Scheme {
     /// are `times` as many.
     pub(super) fn shares(&self, moments: &Moments, times: f64) -> Map<Rgb> {
         let difference = moments.difference(self.pass);
-        self.levels.iter().fold(Map::filled(difference.shape, Rgb::ZERO), |so_far, level| {
+        let nearer = |so_far: Map<Rgb>, level: &Level| {
             let found = mean_of(&difference.smoothed(level.sigma), &level.light);
             found.like(|cell| {
                 let so_far = so_far.of(cell);
                 (so_far + level.signal.of(cell) * (times * found.of(cell) - so_far)).max(Rgb::splat(LEAST))
             })
-        })
+        };
+        let none = Map::filled(difference.shape, Rgb::ZERO);
+        let Some((whole, parts)) = self.levels.split_first() else { return none };
+        let whole = nearer(none, whole);
+        let parts = parts.iter().fold(whole.clone(), nearer);
+        let grid = moments.grid(self.pass);
+        let lost = grid.like(|cell| grid.of(cell) * (whole.of(cell) - parts.of(cell)));
+        let lost = ratio(lost.sum(), grid.sum());
+        parts.like(|cell| (parts.of(cell) + lost).max(Rgb::splat(LEAST)))
     }
 }
 
 /// A sum over that of the light; 0 where there is no light.
 fn mean_of(sum: &Map<Rgb>, light: &Map<Rgb>) -> Map<Rgb> {
-    let ratio = |sum: f64, light: f64| if light > 0.0 { sum / light } else { 0.0 };
-    sum.like(|cell| {
-        let (sum, light) = (sum.of(cell), light.of(cell));
-        Rgb::new(ratio(sum.x, light.x), ratio(sum.y, light.y), ratio(sum.z, light.z))
-    })
+    sum.like(|cell| ratio(sum.of(cell), light.of(cell)))
+}
+
+fn ratio(sum: Rgb, light: Rgb) -> Rgb {
+    let of_channel = |sum: f64, light: f64| if light > 0.0 { sum / light } else { 0.0 };
+    Rgb::new(of_channel(sum.x, light.x), of_channel(sum.y, light.y), of_channel(sum.z, light.z))
 }
 
 /// Mean of the colour channels.
