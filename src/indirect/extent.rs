@@ -11,10 +11,10 @@ use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::{BVec3, DVec3};
 
-/// Approximate number of nodes of the innermost grid, and of the next.
+/// Approximate number of nodes of the innermost grid, and of the next unless it has nothing but shade.
 const NODES: f64 = 30_000.0;
 const OUTER_NODES: f64 = 24_000.0;
-/// Approximate number of nodes of each grid beyond these.
+/// Approximate number of nodes of each other grid.
 const FAR_NODES: f64 = 8_000.0;
 /// Maximum number of cells of an outer grid along its longest side: ground is flat, so its grid has that
 /// number squared.
@@ -30,8 +30,8 @@ const FEWEST_CELLS: f64 = 16.0;
 /// Maximum number of cells along the longest side: otherwise cells of a flat box would be as small as it is
 /// thin.
 const MOST_CELLS: f64 = 192.0;
-/// Maximum number of grids.
-const MOST_LEVELS: usize = 5;
+/// Maximum number of grids; the last reaches as far as the world does.
+const MOST_LEVELS: usize = 6;
 /// Margin of a grid around the next inner one, in the longest sides of that one.
 const MARGIN: f64 = 1.5;
 /// Ratio of the world's size to the grid's up to which the next grid covers the whole world: light is less
@@ -43,6 +43,8 @@ const LARGER: f64 = 1.01;
 /// extends to them. So walls around leaves lie within the grid, or well beyond its rim, where nothing cuts
 /// light off.
 const NEAR: f64 = 0.25;
+/// Maximum length of shadows that count beside layers, in heights of what casts them.
+const LONGEST_SHADOW: f64 = 4.0;
 /// Optical depth to which unbounded fog counts; the depth to `NEARLY_ALL` of it if that is less.
 const FOG_DEPTH: f64 = 4.0;
 /// Optical depth below objects, where these end before the fog does: less of that is seen.
@@ -54,6 +56,8 @@ const FARTHEST: f64 = 1e3;
 /// Optical depth of a cell above which lamps in bounded fog have finer cells about them: close to a lamp,
 /// light that is scattered twice falls off as 1/r.
 const LAMP_CELL_DEPTH: f64 = 0.05;
+/// Optical depth of a cell that leaves ask for, above which a lamp's surroundings are the innermost grid.
+const LEAF_CELL_DEPTH: f64 = 0.2;
 /// Optical depth around a lamp that these cells cover.
 const LAMP_DEPTH: f64 = 0.5;
 /// Optical depth around a lamp to which unbounded fog counts.
@@ -86,12 +90,13 @@ pub(super) fn levels(
     let inner = resolved.or(leaves).or(fog).or(all).or_else(lamps_alone);
     let Some(inner) = inner else { return Vec::new() };
     let all = [all, core_bounds(fogs, Strays::Lost)].into_iter().flatten().reduce(union);
+    let things = all.map_or(inner, |all| union(all, inner));
     let world = match layers {
         Some(layers) => {
             let near = lit(LIT_DEPTH).into_iter().filter(|lit| is_near(*lit, inner));
-            layers.down_to_ground(near.chain(all).fold(inner, union))
+            near.fold(with_shade(snapshot, layers, layers.down_to_ground(things)), union)
         }
-        None => world(snapshot, inner, all),
+        None => world(snapshot, inner, things),
     };
     let inner = with_near_sides(inner, world);
     let mut cell_m = fine_m(inner).max(finest_m(surroundings, inner, widest, fog.is_some()));
@@ -108,13 +113,14 @@ pub(super) fn levels(
         // Larger cells beyond do not resolve where dense fog ends.
         Some(if fog.is_some() { grid.widened() } else { grid })
     };
+    let is_shade_alone = layers.is_some() && diagonal(things) <= LARGER * diagonal(inner);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
-        let is_last = diagonal(world) <= ONE_GRID * diagonal(bounds);
+        let is_last = diagonal(world) <= ONE_GRID * diagonal(bounds) || grids.len() + 1 == MOST_LEVELS;
         let margin = if is_last { f64::INFINITY } else { MARGIN * (bounds.1 - bounds.0).max_element() };
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
-        let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
+        let nodes = if grids.len() == 1 && !is_shade_alone { OUTER_NODES } else { FAR_NODES };
         let side = side(bounds);
         let even = (side.element_product() / nodes).cbrt().max(side.max_element() / OUTER_CELLS);
         cell_m = even.max(2.0 * cell_m);
@@ -123,15 +129,21 @@ pub(super) fn levels(
     grids
 }
 
-/// Bounded fog and leaves; leaves and lamps alone, where its cells would be too large for lamps. `None` where
-/// they are too large for leaves.
+/// Bounded fog and leaves; leaves and lamps alone, where its cells would be too large for lamps, and lamps
+/// alone, where those of leaves would be. `None` where its cells are too large for leaves.
 fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf_m: f64) -> Option<Bounds> {
     let all = [fog, leaves].into_iter().flatten().reduce(union)?;
     let less = [lamps, leaves].into_iter().flatten().reduce(union);
-    let is_coarse = fine_m(all) * snapshot.medium.most_extinction_per_m() > LAMP_CELL_DEPTH;
+    let density_per_m = snapshot.medium.most_extinction_per_m();
+    let leaf_cell_m = LEAVES_PER_CELL * leaf_m;
+    let is_dense = leaf_cell_m * density_per_m > LEAF_CELL_DEPTH;
+    if let Some(lamps) = lamps.filter(|lamps| is_dense && 2.0 * fine_m(*lamps) < leaf_cell_m) {
+        return Some(lamps);
+    }
+    let is_coarse = fine_m(all) * density_per_m > LAMP_CELL_DEPTH;
     let is_finer = |less: &Bounds| lamps.is_some() && 2.0 * fine_m(*less) < fine_m(all);
     let bounds = less.filter(is_finer).filter(|_| is_coarse).unwrap_or(all);
-    (leaf_m == 0.0 || fine_m(bounds) < COARSEST * LEAVES_PER_CELL * leaf_m).then_some(bounds)
+    (leaf_m == 0.0 || fine_m(bounds) < COARSEST * leaf_cell_m).then_some(bounds)
 }
 
 /// Cell size that leaves ask for.
@@ -200,6 +212,24 @@ fn about_lamps(snapshot: &Snapshot, fog: Bounds, emissive: &[Luminaire]) -> Opti
     lights.filter_map(about).reduce(union)
 }
 
+/// Things with the fog and the ground that they shade, as layers have the light of an open plain: all around
+/// as far as they are high, and in shadows of suns.
+fn with_shade(snapshot: &Snapshot, layers: &Layers, things: Bounds) -> Bounds {
+    let up = layers.heights.up;
+    let height_m = (things.1 - things.0).dot(up.abs());
+    let around = height_m * (DVec3::ONE - up.abs());
+    let shadow = |light: &Luminaire| match light.centre() {
+        FrozenLight::Sun { to_light, .. } if to_light.dot(up) > 0.0 => {
+            let along = height_m * (up - to_light / to_light.dot(up));
+            Some(along.clamp_length_max(LONGEST_SHADOW * height_m))
+        }
+        _ => None,
+    };
+    let shadows = snapshot.lights.iter().filter_map(shadow);
+    let shaded = shadows.map(|shadow| (things.0 + shadow, things.1 + shadow));
+    shaded.fold((things.0 - around, things.1 + around), union)
+}
+
 /// Fog around lamps and emissive surfaces, whose light layers do not have, to an optical depth.
 fn lit_fogs(snapshot: &Snapshot, layers: &Layers, (emissive, depth): (&[Luminaire], f64)) -> Vec<Bounds> {
     let up = layers.heights.up.abs();
@@ -222,8 +252,7 @@ fn is_near(fog: Bounds, inner: Bounds) -> bool {
 }
 
 /// Bounds of everything: objects, and unbounded fog as far as it counts for the innermost grid.
-fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
-    let known = things.map_or(inner, |things| union(things, inner));
+fn world(snapshot: &Snapshot, inner: Bounds, known: Bounds) -> Bounds {
     if snapshot.medium.banks().iter().all(|bank| bank.bounds().is_some()) {
         return known;
     }

@@ -120,7 +120,7 @@ impl Layers {
         let Filled { stack, beams, peaks } = heights.filled(snapshot, bounces);
         let sky = snapshot.sky.filter(FrozenSky::lights_surfaces);
         let world_from_layers = heights.layers_from_world.inverse();
-        let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.along(world_from_layers * -travel));
+        let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.around(world_from_layers * -travel));
         let beneath = || match bounces {
             Bounces::All => heights.reflectance_beneath(snapshot),
             // The number of scatterings below is unknown, so they are left out.

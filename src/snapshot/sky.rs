@@ -36,6 +36,16 @@ impl<'scene> FrozenSky<'scene> {
         self.strength * self.sky.along_beside_suns(self.before_turn(direction))
     }
 
+    /// Radiance around a direction, without suns that are lights of their own, W m^-2 sr^-1. Where a small part
+    /// has much of the light, its mean over a cell: a point would miss that part.
+    pub fn around(&self, direction: DVec3) -> Rgb {
+        let direction = self.before_turn(direction);
+        let is_smooth = !self.sky.has_sun();
+        let radiance =
+            if is_smooth { self.sky.along_beside_suns(direction) } else { self.sky.mean_around(direction) };
+        self.strength * radiance
+    }
+
     /// Mean radiances, without suns, of cells of equal solid angle, with the directions of their centres.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let (turn, strength) = (self.turn, self.strength);

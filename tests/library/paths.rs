@@ -534,6 +534,28 @@ fn court_in_mist() -> Scene {
     scene
 }
 
+/// A wall whose shadow falls beside it, into mist that is in the sun elsewhere.
+fn wall_in_mist() -> Scene {
+    let mut scene = camera_at(DVec3::new(0.0, 1.5, 4.0));
+    for (low, high) in [([-90.0, -0.5, -90.0], [90.0, 0.0, 90.0]), ([-3.2, 0.0, -7.0], [-2.8, 4.0, 3.0])] {
+        add_box(&mut scene, low.into(), high.into(), matte(0.3, 0.0));
+    }
+    add_layer(&mut scene, 0.0, 3.0, Rgb::splat(0.15), Rgb::splat(0.96), 0.3);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(1.0, -1.0, 0.0).normalize(), SUNLIGHT);
+    scene
+}
+
+/// Leaves in fog that is thin, but wide: grids about the leaves have to reach as far.
+fn leaves_in_wide_fog() -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_leaves(&mut scene, 60, matte(0.4, 0.2));
+    let half_m = DVec3::new(2500.0, 250.0, 2500.0);
+    add_fog(&mut scene, -half_m, half_m, Rgb::splat(0.001), Rgb::splat(0.96), 0.5);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(-0.4, -0.45, 0.8).normalize(), SUNLIGHT);
+    scene.sky = Sky::new(EVEN_SKY);
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -578,6 +600,8 @@ fn the_grid_has_the_same_light() {
         ("mist on a plain", mist_on_a_plain(), 32, 0.03),
         ("morning mist", morning_mist(), 16, 0.02),
         ("court in mist", court_in_mist(), 16, 0.04),
+        ("wall in mist", wall_in_mist(), 16, 0.04),
+        ("leaves in wide fog", leaves_in_wide_fog(), 16, 0.03),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),

@@ -1,6 +1,6 @@
 //! Suns in pictures of the sky: apart from it they give the light that they gave in it, and that of a `Sun`.
 
-use crate::common::{EXACT, INSTANT, add_fog, add_light, camera_at, coat, place};
+use crate::common::{EXACT, INSTANT, add_fog, add_layer, add_light, camera_at, coat, place};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 use sunfleck::color::Rgb;
@@ -73,6 +73,14 @@ fn glade(sky: Sky) -> Scene {
     scene
 }
 
+/// The same in mist without bounds.
+fn misty_glade(sky: Sky) -> Scene {
+    let mut scene = glade(sky);
+    scene.fogs.clear();
+    add_layer(&mut scene, 0.0, 1.5, Rgb::splat(0.15), Rgb::splat(0.95), 0.4);
+    scene
+}
+
 fn picture(scene: &Scene, samples: u32, method: Method) -> Frame {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
@@ -112,20 +120,22 @@ fn walks_see_the_same_light_with_suns_in_the_sky_and_apart() {
 /// An even sky and a `Sun` are what a picture of both becomes, pixel by pixel.
 #[test]
 fn a_sun_apart_is_a_sun() {
-    let apart = sky().with_suns_apart();
-    let sun = apart.suns_at(0.0).next().expect("a sun");
-    let mut beside = glade(Sky::new(SkyPicture::Even(AROUND)).expect("a sky"));
-    let disc = SunDisc::even(Track::from(sun.angular_diameter));
-    add_light(&mut beside, LightKind::SunDisc(disc), DVec3::ZERO, -sun.to_sun, sun.irradiance);
-    let [apart, beside] = [glade(apart), beside].map(|scene| picture(&scene, 64, Method::Slices));
-    for name in ["R", "G", "B"] {
-        let [apart, beside] = [&apart, &beside].map(|frame| channel_of(frame, name));
-        let ratio = mean(&apart) / mean(&beside);
-        assert!((ratio - 1.0).abs() < 1e-3, "{name}: {ratio}");
-        let square = |(a, b): (&f64, &f64)| (a - b).powi(2);
-        let squares: Vec<f64> = apart.iter().zip(&beside).map(square).collect();
-        // Points of the discs are not the same.
-        assert!(mean(&squares).sqrt() < 0.01 * mean(&beside), "{name}: {}", mean(&squares).sqrt());
+    for glade in [glade, misty_glade] {
+        let apart = sky().with_suns_apart();
+        let sun = apart.suns_at(0.0).next().expect("a sun");
+        let mut beside = glade(Sky::new(SkyPicture::Even(AROUND)).expect("a sky"));
+        let disc = SunDisc::even(Track::from(sun.angular_diameter));
+        add_light(&mut beside, LightKind::SunDisc(disc), DVec3::ZERO, -sun.to_sun, sun.irradiance);
+        let [apart, beside] = [glade(apart), beside].map(|scene| picture(&scene, 64, Method::Slices));
+        for name in ["R", "G", "B"] {
+            let [apart, beside] = [&apart, &beside].map(|frame| channel_of(frame, name));
+            let ratio = mean(&apart) / mean(&beside);
+            assert!((ratio - 1.0).abs() < 1e-3, "{name}: {ratio}");
+            let square = |(a, b): (&f64, &f64)| (a - b).powi(2);
+            let squares: Vec<f64> = apart.iter().zip(&beside).map(square).collect();
+            // Points of the discs are not the same.
+            assert!(mean(&squares).sqrt() < 0.01 * mean(&beside), "{name}: {}", mean(&squares).sqrt());
+        }
     }
 }
 

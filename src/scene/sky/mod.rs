@@ -74,6 +74,14 @@ fn direction_in(cell: usize, within: DVec2) -> DVec3 {
     DVec3::new(across * sin, y, -across * cos)
 }
 
+/// The cell that contains a direction.
+fn cell_of(direction: DVec3) -> usize {
+    let longitude = direction.x.atan2(-direction.z) / TAU;
+    let place = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
+    let row = place(0.5 * (1.0 - direction.y), MEAN_ROWS);
+    row * MEAN_COLUMNS + place(longitude - longitude.floor(), MEAN_COLUMNS)
+}
+
 impl Sky {
     /// Sky that lights everything; `None` if it is black or not finite.
     pub fn new(picture: SkyPicture) -> Option<Self> {
@@ -169,11 +177,20 @@ impl Sky {
     /// Mean radiances of cells of equal solid angle, with the directions of their centres, in the unrotated
     /// picture.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
-        let means = self.means.get_or_init(|| {
+        let means = self.cell_means().iter().enumerate();
+        means.map(|(cell, mean)| (direction_in(cell, DVec2::splat(0.5)), *mean))
+    }
+
+    /// Mean radiance of the cell around a direction, in the unrotated picture.
+    pub fn mean_around(&self, direction: DVec3) -> Rgb {
+        self.cell_means()[cell_of(direction)]
+    }
+
+    fn cell_means(&self) -> &[Rgb] {
+        self.means.get_or_init(|| {
             let cells = 0..MEAN_ROWS * MEAN_COLUMNS;
             cells.into_par_iter().map(|cell| self.mean(cell)).collect()
-        });
-        means.iter().enumerate().map(|(cell, mean)| (direction_in(cell, DVec2::splat(0.5)), *mean))
+        })
     }
 
     /// Direction sampled by two uniform numbers, with a density about proportional to radiance; `None` for a
