@@ -36,8 +36,8 @@ impl<'scene> FrozenSky<'scene> {
         self.strength * self.sky.along_beside_suns(self.before_turn(direction))
     }
 
-    /// Radiance around a direction, without suns that are lights of their own, W m^-2 sr^-1. Where a small part
-    /// has much of the light, its mean over a cell: a point would miss that part.
+    /// Radiance around a direction, without suns that are lights of their own, W m^-2 sr^-1. Where a small
+    /// part has much of the light, its mean over a cell: a point would miss that part.
     pub fn around(&self, direction: DVec3) -> Rgb {
         let direction = self.before_turn(direction);
         let is_smooth = !self.sky.has_sun();
