@@ -19,6 +19,11 @@ pub(crate) struct Peak {
 }
 
 impl Peak {
+    /// Its direction of travel, and its irradiance.
+    pub(crate) fn beam(self) -> (DVec3, Rgb) {
+        (self.travel, self.irradiance)
+    }
+
     /// Interpolates towards another peak of the same sun.
     pub(crate) fn lerp(&self, other: &Self, share: f64) -> Self {
         let times = self.times + share * (other.times - self.times);

@@ -8,6 +8,7 @@ use super::layers::Layers;
 use super::level::Level;
 use super::lobe::Lobe;
 use super::towards::Towards;
+use crate::canopy::clumps::Clump;
 use crate::canopy::fluence::Peak;
 use crate::canopy::surroundings::Leaf;
 use crate::color::Rgb;
@@ -93,11 +94,9 @@ impl Field {
         }
     }
 
-    /// Light that a lobe gathers from `gathered` on a leaf with the albedo `sent`; for a cosine lobe,
-    /// irradiance, W/m^2.
-    pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
-        let innermost = self.levels.first();
-        innermost.map_or_else(|| gathered.by(lobe), |level| level.of_gathered(gathered, lobe, sent))
+    /// Irradiance in a clump on a leaf with the albedo `sent`, from that on a single one.
+    pub(super) fn in_clump(&self, clump: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
+        self.levels.first().map_or(by_itself, |level| level.in_clump(clump, by_itself, sent))
     }
 
     /// Calls back with the forward peak of each sun at a place in world space.

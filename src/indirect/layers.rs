@@ -227,7 +227,7 @@ impl Layers {
     /// Light that a lobe gathers; for a cosine lobe, irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let between = self.heights.between(world);
-        let peaks = self.peaks_at(between);
+        let peaks = self.peaks_at(between).map(Peak::beam);
         if lobe.is_cosine_of(self.heights.up) {
             // Plain ground: truncated harmonics would err by a hundredth.
             let [above, below] = [between.above, between.below].map(|level| self.levels[level].downward);

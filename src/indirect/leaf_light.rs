@@ -3,7 +3,7 @@
 //! not depend on the order of rays.
 
 use super::field::Field;
-use super::gathered::Gathered;
+use super::gathered::BothSides;
 use super::lobe::Lobe;
 use crate::accel::{PrimitiveId, prefetch};
 use crate::canopy::leaf_index::LeafIndex;
@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 pub(super) struct LeafLight {
     index: LeafIndex,
     /// Light by leaf, once a ray has met it: on the side of its normal, and on the other.
-    sides: Vec<OnceLock<Box<[Gathered; 2]>>>,
+    sides: Vec<OnceLock<Box<BothSides>>>,
 }
 
 impl LeafLight {
@@ -43,7 +43,8 @@ impl LeafLight {
     ) -> Option<LeafSides<'_>> {
         let number = self.index.number(snapshot, primitive)?;
         let leaf = &self.index.all()[number];
-        let sides = self.sides[number].get_or_init(|| Box::new(field.gather_leaf(number, leaf)));
+        let gathered = || Box::new(BothSides::new(field.gather_leaf(number, leaf)));
+        let sides = self.sides[number].get_or_init(gathered);
         Some(LeafSides { normal: leaf.normal, sides })
     }
 }
@@ -51,13 +52,14 @@ impl LeafLight {
 /// Both sides of a leaf.
 pub(super) struct LeafSides<'a> {
     normal: DVec3,
-    sides: &'a [Gathered; 2],
+    sides: &'a BothSides,
 }
 
 impl LeafSides<'_> {
     /// Light that a lobe gathers at a place on the leaf, for the albedo `sent`; for a cosine lobe,
     /// irradiance, W/m^2.
     pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe, sent: Rgb) -> Rgb {
-        field.of_gathered(&self.sides[usize::from(!lobe.is_of_side(self.normal))], lobe, sent)
+        let (by_itself, clump) = self.sides.by(usize::from(!lobe.is_of_side(self.normal)), lobe);
+        field.in_clump(clump, by_itself, sent)
     }
 }

@@ -11,7 +11,7 @@ use super::lobe::Lobe;
 use super::sky::sky_of;
 use super::towards::Towards;
 use super::walls::SnapshotWalls;
-use crate::canopy::clumps::Clumps;
+use crate::canopy::clumps::{Clump, Clumps};
 use crate::canopy::delta_scaled_fog::scatters_ahead;
 use crate::canopy::fluence::{ForwardPeak, Peak};
 use crate::canopy::leaf_power::LeafPower;
@@ -176,7 +176,8 @@ impl Level {
         let irradiance = on_faces().unwrap_or_else(|| {
             product(&lobe.of_travel(), &self.light.low.mean(&lit)) + self.beyond(&lit, lobe)
         });
-        with_peaks(irradiance, self.forward_peaks.iter().map(|peak| peak.about(&corners)), lobe)
+        let peaks = self.forward_peaks.iter().map(|peak| peak.about(&corners).beam());
+        with_peaks(irradiance, peaks, lobe)
     }
 
     /// Radiance on the two sides of a leaf, without the leaf's own contribution.
@@ -208,10 +209,9 @@ impl Level {
         sides
     }
 
-    /// Light that a lobe gathers from `gathered` on a leaf with the albedo `sent`; for a cosine lobe,
-    /// irradiance, W/m^2.
-    pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
-        self.clumps.gathered(gathered.clump, gathered.by(lobe), sent)
+    /// Irradiance in a clump on a leaf with the albedo `sent`, from that on a single one.
+    pub(super) fn in_clump(&self, clump: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
+        self.clumps.gathered(clump, by_itself, sent)
     }
 
     /// Corners of a place slightly off a surface, so that its own radiance does not light it.
