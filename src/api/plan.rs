@@ -210,7 +210,7 @@ impl<'scene> Plan<'scene> {
     fn view(&self, frame: i64) -> View {
         let time_s = self.shutter(frame).middle_s();
         let camera = &self.scene.resolved.cameras[self.camera];
-        let world_from_camera = self.scene.resolved.placements(time_s)[camera.node].world_from_node;
+        let world_from_camera = self.scene.resolved.placement(camera.node, time_s).world_from_node;
         View::new(camera, world_from_camera, aspect(self.job.size), time_s)
     }
 

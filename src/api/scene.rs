@@ -85,7 +85,7 @@ impl Scene {
     /// Placement of the first node with that name at a frame, or between two; `None` without such a node.
     pub fn place(&self, node: &str, frame: f64) -> Option<NodePlace> {
         let index = self.nodes().position(|name| name == node)?;
-        let placement = self.resolved.placements(self.settings.frame_rate.seconds(frame))[index];
+        let placement = self.resolved.placement(index, self.settings.frame_rate.seconds(frame));
         let world = placement.world_from_node;
         Some(NodePlace {
             position_m: world.translation.to_array(),

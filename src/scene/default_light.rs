@@ -49,7 +49,7 @@ fn camera_axes(scene: &Scene, settings: &RenderSettings) -> DMat3 {
         return DMat3::IDENTITY;
     };
     let time_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
-    let axes = scene.placements(time_s)[camera.node].world_from_node.matrix3;
+    let axes = scene.placement(camera.node, time_s).world_from_node.matrix3;
     let backward = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
     let right = axes.y_axis.cross(backward).try_normalize();
     let right = right.unwrap_or_else(|| backward.any_orthonormal_vector());

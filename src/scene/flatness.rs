@@ -33,8 +33,7 @@ pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnos
 /// Whether the scale of a node or of an ancestor changes.
 fn grows(scene: &Scene, node: usize) -> bool {
     let changes = |node: &Node| matches!(&node.motion, Motion::Keyed { scale, .. } if !scale.is_constant());
-    std::iter::successors(Some(node), |&node| scene.nodes[node].parent)
-        .any(|node| changes(&scene.nodes[node]))
+    scene.with_ancestors(node).any(changes)
 }
 
 /// Whether the bounding box of vertices has no area in the world, but some in its own space.

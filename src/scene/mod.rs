@@ -170,6 +170,19 @@ pub struct Placement {
     pub visible: bool,
 }
 
+impl Placement {
+    /// That of the world itself.
+    const ROOT: Self = Self { world_from_node: DAffine3::IDENTITY, visible: true };
+
+    /// Placement of a node below this one.
+    fn below(self, node: &Node, time_s: f64) -> Self {
+        Self {
+            world_from_node: self.world_from_node * node.motion.parent_from_node(time_s),
+            visible: self.visible && node.visible.at(time_s),
+        }
+    }
+}
+
 impl Scene {
     /// Adds a visible node; returns its index.
     pub(crate) fn add_node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
@@ -181,23 +194,27 @@ impl Scene {
     pub fn placements(&self, time_s: f64) -> Vec<Placement> {
         let mut placements: Vec<Placement> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
-            let parent = node
-                .parent
-                .map_or(Placement { world_from_node: DAffine3::IDENTITY, visible: true }, |parent| {
-                    placements[parent]
-                });
-            placements.push(Placement {
-                world_from_node: parent.world_from_node * node.motion.parent_from_node(time_s),
-                visible: parent.visible && node.visible.at(time_s),
-            });
+            let parent = node.parent.map_or(Placement::ROOT, |parent| placements[parent]);
+            placements.push(parent.below(node, time_s));
         }
         placements
     }
 
+    /// Placement of a single node, with the same bits.
+    pub fn placement(&self, node: NodeIndex, time_s: f64) -> Placement {
+        let ancestors: Vec<&Node> = self.with_ancestors(node).collect();
+        ancestors.iter().rev().fold(Placement::ROOT, |parent, node| parent.below(node, time_s))
+    }
+
     /// Whether a node and all its ancestors are visible at a time: [`Placement::visible`] of a single node.
     pub fn is_visible(&self, node: NodeIndex, time_s: f64) -> bool {
-        let mut parents = std::iter::successors(Some(node), |&node| self.nodes[node].parent);
-        parents.all(|node| self.nodes[node].visible.at(time_s))
+        self.with_ancestors(node).all(|node| node.visible.at(time_s))
+    }
+
+    /// A node, its parent, and so on.
+    fn with_ancestors(&self, node: NodeIndex) -> impl Iterator<Item = &Node> {
+        let of = |node: NodeIndex| &self.nodes[node];
+        std::iter::successors(Some(of(node)), move |node| node.parent.map(of))
     }
 
     /// Vertices of an instance at the time of `placements`, and the transform of their space.
