@@ -152,6 +152,11 @@ impl Scene {
         self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
     }
 
+    /// Drops keys of falls that only other times need; time in seconds.
+    pub fn keep_span(&mut self, span_s: (f64, f64)) {
+        self.resolved.keep_span(span_s);
+    }
+
     /// Exports the scene as glTF for a folder, with its motion over some frames.
     pub fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
         export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)

@@ -16,6 +16,7 @@ use sunfleck::frame_file;
 use sunfleck::render::Method;
 use sunfleck::scene::{RenderSettings, Size, Window};
 use sunfleck::sequence::{FrameList, OutputPattern};
+use sunfleck::snapshot::Shutter;
 use sunfleck::transport::MarchSteps;
 
 /// Parameters of a run.
@@ -58,6 +59,17 @@ impl<'scene> Plan<'scene> {
             }
             _ => Ok(plan),
         }
+    }
+
+    /// Time in which its frames see the scene, seconds: their shutters, and for motion a frame more.
+    pub(super) fn span_s(&self) -> Option<(f64, f64)> {
+        let frames = self.frames.as_slice().iter();
+        let spans = frames.map(|&frame| {
+            let Shutter { open_s, close_s } = self.picture.shutter(frame);
+            let at = |offset: f64| self.picture.settings.frame_rate.seconds(frame as f64 + offset);
+            (open_s.min(at(-1.0)), close_s.max(at(1.0)))
+        });
+        spans.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
     }
 
     /// Files that the run writes: frames, and pictures beside them.

@@ -42,7 +42,11 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
 
 fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     let pool = threads::pool(arguments.threads)?;
-    let scene = pool.install(|| plan::load(arguments))?;
+    let mut scene = pool.install(|| plan::load(arguments))?;
+    // Most keys of a fall are of other times.
+    if let Some(span_s) = Plan::new(&scene, arguments)?.span_s() {
+        scene.keep_span(span_s);
+    }
     of_scene(arguments, &scene, &pool, stop)
 }
 

@@ -217,6 +217,11 @@ impl Scene {
         std::iter::successors(Some(of(node)), move |node| node.parent.map(of))
     }
 
+    /// Drops keys of baked falls that no time in a span needs. Nothing else changes.
+    pub fn keep_span(&mut self, span_s: (f64, f64)) {
+        self.nodes.iter_mut().for_each(|node| node.motion.keep_span(span_s));
+    }
+
     /// Vertices of an instance at the time of `placements`, and the transform of their space.
     pub fn vertices(
         &self,

@@ -59,6 +59,16 @@ impl Motion {
     }
 }
 
+impl Motion {
+    /// Drops keys that no time in a span needs, see [`Track::keep_span`].
+    pub(super) fn keep_span(&mut self, span_s: (f64, f64)) {
+        if let Self::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } = self {
+            translation.keep_span(span_s);
+            rotation.keep_span(span_s);
+        }
+    }
+}
+
 impl Rotation {
     /// Rotation at `time_s`.
     pub fn at(&self, time_s: f64) -> DQuat {

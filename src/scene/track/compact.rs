@@ -3,6 +3,7 @@
 
 use super::{Animate, Key, Segment};
 use std::marker::PhantomData;
+use std::ops::Range;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::inside::scene) struct SmoothKey<T> {
@@ -78,6 +79,12 @@ impl<T: Animate> Compact<T> {
         let mut first = first.into_vec();
         first.truncate(first.len() - Self::STRIDE);
         Self { pieces: [first.into(), second], ..Self::of(self.start_s, Box::default()) }
+    }
+
+    /// The keys of these indices.
+    pub(super) fn part(&self, indices: Range<usize>) -> Self {
+        let bytes: Vec<u8> = indices.flat_map(|index| self.bytes(index)).copied().collect();
+        Self::of(self.start_s, bytes.into())
     }
 
     /// Writes the length in bytes, the start, and the keys.

@@ -254,3 +254,26 @@ fn keys_out_of_order_make_no_track() {
         assert!(Track::<f64>::new(keys(times), Extend::Hold).is_none(), "{times:?}");
     }
 }
+
+#[test]
+fn keys_of_other_times_go_and_no_value_changes() {
+    let turn = |angle: f64| DQuat::from_rotation_y(angle);
+    let key = |time: i32| {
+        // At rest from 30 s on.
+        let time_s = f64::from(time.min(30));
+        let slope = if time < 30 { turn(time_s) * 0.3 } else { DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0) };
+        SmoothKey { time_s: f64::from(time), value: turn(time_s), slope }.shortened(-1.0)
+    };
+    let keys: Vec<SmoothKey<DQuat>> = (0..40).map(key).collect();
+    let all = Track::smooth(-1.0, &keys).unwrap();
+    for (from_s, to_s, most) in [(-9.0, -8.0, 4), (4.2, 6.0, 6), (7.0, 7.0, 5), (35.2, 36.0, 40)] {
+        let mut kept = all.clone();
+        kept.keep_span((from_s, to_s));
+        assert!(kept.times_s().len() <= most, "{from_s} {}", kept.times_s().len());
+        assert_eq!(kept.is_constant(), all.is_constant());
+        for share in [0.0, 0.3, 0.7, 1.0] {
+            let time_s = from_s + share * (to_s - from_s);
+            assert_eq!(kept.at(time_s), all.at(time_s), "{time_s}");
+        }
+    }
+}
