@@ -17,6 +17,7 @@ mod fog;
 mod from_gltf;
 mod from_ron;
 mod grids;
+mod hashed;
 mod julia;
 mod keyed;
 mod lamp_traits;
@@ -52,6 +53,7 @@ pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, 
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use grids::{FogPart, FogVoxels, GridFrame, GridFrames, GridNames};
+pub use hashed::Hashed;
 pub use julia::Julia;
 pub use keyed::Keyed;
 pub use lamp_traits::LampTraits;

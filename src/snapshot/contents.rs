@@ -8,8 +8,8 @@ use super::ray_visibility::{casting, rays_of};
 use super::{FrozenSky, Luminaire, MeshTrees, Snapshot, View};
 use crate::accel::{InstanceTree, SharedTree};
 use crate::fog::Medium;
-use crate::scene::{Material, Pose, Scene};
-use glam::{DAffine3, DVec3};
+use crate::scene::{Hashed, Material, Pose, Scene};
+use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -82,6 +82,7 @@ impl<'scene> Contents<'scene> {
         let casting = casting(&self.classes, rays.as_ref());
         let [mut opaque, blended] = self.classes;
         let first_blended = opaque.placed.len();
+        opaque.placed.extend(blended.placed);
         let tree = match self.still {
             Some(still) => {
                 let others = opaque.meshes.split_off(opaque.still);
@@ -101,7 +102,7 @@ impl<'scene> Contents<'scene> {
             materials: self.materials,
             is_blended: self.is_blended,
             parts: self.parts,
-            placed: opaque.placed.into_iter().chain(blended.placed).collect(),
+            placed: opaque.placed,
             first_blended,
             lights: self.lights,
             medium: self.medium,
@@ -120,33 +121,30 @@ impl<'scene> Contents<'scene> {
     /// SHA-256 over all that differs from moment to moment.
     pub fn digest(&self) -> [u8; 32] {
         let mut hash = Sha256::new();
-        let mut numbers: Vec<f64> = Vec::new();
+        let mut add = |number: f64| hash.update(number.to_le_bytes());
         for class in &self.classes {
             for (placed, mesh) in class.placed.iter().zip(&class.meshes) {
-                numbers.push(placed.instance() as f64);
-                push(&mut numbers, &mesh.relative_from_mesh);
+                add(placed.instance() as f64);
+                mesh.relative_from_mesh.to_cols_array().into_iter().for_each(&mut add);
                 if let Some(bent) = &placed.bent {
                     let Pose { weights, shape_from_rest } = &bent.pose;
-                    numbers.extend([weights.len(), shape_from_rest.len()].map(|count| count as f64));
-                    numbers.extend(weights);
-                    shape_from_rest.iter().for_each(|joint| push(&mut numbers, joint));
+                    [weights.len(), shape_from_rest.len()].into_iter().for_each(|count| add(count as f64));
+                    weights.iter().copied().for_each(&mut add);
+                    let joints = shape_from_rest.iter().flat_map(|joint| joint.to_cols_array());
+                    joints.for_each(&mut add);
                 }
             }
-            numbers.push(f64::NAN);
+            add(f64::NAN);
         }
-        numbers.extend(self.origin.to_array());
-        numbers.iter().for_each(|number| hash.update(number.to_le_bytes()));
+        self.origin.to_array().into_iter().for_each(add);
         let Self { lights, medium, sky, .. } = self;
-        hash.update(format!("{lights:?} {medium:?} {:?}", sky.as_ref().map(FrozenSky::turned_by)));
+        let mut hash = Hashed(hash);
+        hash.add(format_args!("{lights:?} {medium:?} {:?}", sky.as_ref().map(FrozenSky::turned_by)));
         if let Cow::Owned(materials) = &self.materials {
-            hash.update(format!("{materials:?}"));
+            hash.add(format_args!("{materials:?}"));
         }
-        hash.finalize().into()
+        hash.0.finalize().into()
     }
-}
-
-fn push(numbers: &mut Vec<f64>, place: &DAffine3) {
-    numbers.extend(place.to_cols_array());
 }
 
 /// Median along each axis, which outliers do not move; the world's origin if there are no places.

@@ -7,12 +7,12 @@
 
 use super::flown::Flown;
 use super::leaf::Pose;
-use crate::scene::Track;
 use crate::scene::baking::Baking;
+use crate::scene::{Hashed, Track};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
-use std::fmt::{self, Debug, Write};
+use std::fmt::Debug;
 use std::io::Read;
 
 /// Edition, which every change of the results has to raise: old bakes then have other names.
@@ -57,8 +57,7 @@ pub(super) fn recalled<L: Kept>(
 pub(super) fn name_of(what: &impl Debug) -> String {
     let mut hash = Hashed(Sha256::new());
     // Shortest decimals round-trip, so different numbers have different names.
-    let written = write!(hash, "{EDITION} {what:?}");
-    debug_assert!(written.is_ok());
+    hash.add(format_args!("{EDITION} {what:?}"));
     hash.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
@@ -91,15 +90,6 @@ impl Kept for Flown {
         let head =
             if rest.is_empty() { None } else { Some((Track::read(&mut rest)?, Track::read(&mut rest)?)) };
         Self { head, tail, velocity }.checked()
-    }
-}
-
-struct Hashed(Sha256);
-
-impl Write for Hashed {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.update(text);
-        Ok(())
     }
 }
 
