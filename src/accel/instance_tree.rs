@@ -14,7 +14,7 @@ use super::shadow_query::AddShadows;
 use super::simd::{Kernel, Portable};
 use super::slice_query::{AddCuts, Cut, HalfPlane};
 use super::wide_tree::{Bounds, WideTree};
-use crate::math::{IntervalSet, Ray};
+use crate::math::{IntervalSet, Ray, large_list};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ impl InstanceTree {
 
     fn with_level(placed: impl Iterator<Item = (u32, PlacedMesh)>, level: Level) -> Self {
         // Reserved at once: a million take hundreds of megabytes, and growing would double that.
-        let mut instances = Vec::with_capacity(placed.size_hint().1.unwrap_or_default());
+        let mut instances = large_list(placed.size_hint().1.unwrap_or_default());
         instances.extend(placed.filter_map(|(index, placed)| Instance::new(index, placed)));
         let mut bounds: Option<(DVec3, DVec3)> = None;
         let rounded: Vec<Bounds> = (instances.iter())

@@ -4,7 +4,7 @@
 
 use super::rounding::{UNIT_ROUNDOFF, round_down, round_up};
 use super::simd::{Eight, WIDTH};
-use crate::math::GOLDEN;
+use crate::math::{GOLDEN, large_list};
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
@@ -123,6 +123,8 @@ impl WideTree {
         }
         let binary = build_binary(boxes, leaf_size);
         tree.root = Some(0);
+        // An open shutter has dozens of trees, and a list that grows takes up to three times as much.
+        tree.nodes = large_list(binary.wide_nodes());
         tree.nodes.push(Node::EMPTY);
         let mut unfilled = vec![(0_usize, 0_usize)];
         while let Some((binary_node, wide_node)) = unfilled.pop() {
@@ -141,8 +143,6 @@ impl WideTree {
                 tree.nodes[wide_node].set_child(lane, binary.bounds(child), reference);
             }
         }
-        // An open shutter has dozens of trees, and spare capacity would be a quarter of them.
-        tree.nodes.shrink_to_fit();
         tree
     }
 }
@@ -181,6 +181,7 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let numbers = (0..moved.len() as u32).collect();
     let (search, sort) = (PlocSearchDistance::Medium, SortPrecision::U64);
     let mut tree = PlocBuilder::with_capacity(moved.len()).build(search, &moved, numbers, sort, 3);
+    drop(moved);
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut tree, 0.05, None);
     collapse(&mut tree, leaf_size as u32, 3.0);
@@ -254,6 +255,16 @@ impl BinaryTree {
 
     fn bounds(&self, node: usize) -> Bounds {
         self.bounds[node]
+    }
+
+    /// Number of nodes with eight children each.
+    fn wide_nodes(&self) -> usize {
+        let (mut count, mut uncounted) = (0, vec![0]);
+        while let Some(node) = uncounted.pop() {
+            count += 1;
+            uncounted.extend(self.open_largest(node).into_iter().filter(|&child| !self.is_leaf(child)));
+        }
+        count
     }
 
     /// Up to eight descendants that replace `node`, found by repeatedly opening the largest box. What a node

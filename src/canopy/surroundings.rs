@@ -11,7 +11,7 @@ use super::surface_optics::optics_at;
 use super::surfels::{Surfel, Surfels};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::math::kronecker;
+use crate::math::{kronecker, large_list};
 use crate::ordinates::occluders::Triangle;
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
 use crate::snapshot::{DrawnMesh, PartPlace, Snapshot};
@@ -102,7 +102,7 @@ impl<'a> Surroundings<'a> {
             })
         };
         // Most meshes are one leaf, and so one part.
-        let mut parts = Vec::with_capacity(snapshot.mesh_count());
+        let mut parts = large_list(snapshot.mesh_count());
         parts.extend((0..snapshot.mesh_count()).flat_map(placed));
         let means = (0..looks).map(|_| OnceLock::new()).collect();
         Self { snapshot, parts, means }

@@ -2,15 +2,14 @@
 //! depends on the files' bytes and the order of reading, and not on their paths.
 
 use super::LoadError;
+use crate::math::MAPPED_BYTES;
 use sha2::{Digest, Sha256};
 use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// Room for a file of `LARGE` or more, of which its bytes alone take memory. Once a block of up to 32 MB has
-/// been freed, glibc keeps later ones up to its size (`M_MMAP_THRESHOLD` in mallopt(3)), such as films.
-const ROOM: usize = (32 << 20) + 1;
+/// Size from which a file has room of [`MAPPED_BYTES`], of which its bytes alone take memory.
 const LARGE: usize = 1 << 20;
 
 /// Reads files and hashes their contents.
@@ -43,7 +42,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let out_of_memory =
         |_| io::Error::new(ErrorKind::OutOfMemory, "it is larger than the memory that can be had");
-    let room = |length: usize| if length < LARGE { length } else { length.max(ROOM) };
+    let room = |length: usize| if length < LARGE { length } else { length.max(MAPPED_BYTES) };
     // Under a limit of memory there may be no such room.
     if bytes.try_reserve_exact(room(file.limit() as usize)).is_err() {
         bytes.try_reserve_exact(file.limit() as usize).map_err(out_of_memory)?;

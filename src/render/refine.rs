@@ -7,6 +7,7 @@ use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
 use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
+use crate::math::large_list;
 use rayon::prelude::*;
 
 /// Minimum luminance of blocks for relative errors, as a part of the picture's mean: errors of darker blocks
@@ -291,7 +292,9 @@ fn completion(convergence: f64) -> f64 {
 /// Estimates of blocks from their pixels.
 fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Estimates {
     let window = film.window();
-    let mut variances = vec![f32::NAN; window.width * window.height];
+    let pixels = window.width * window.height;
+    let mut variances = large_list(pixels);
+    variances.resize(pixels, f32::NAN);
     let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
     let (mut estimates, mut of_few) =
         (Vec::with_capacity(blocks.count()), Vec::with_capacity(blocks.count()));

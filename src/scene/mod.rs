@@ -40,6 +40,7 @@ mod track;
 
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostics;
+use crate::math::large_list;
 use glam::{DAffine3, Vec3};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -188,13 +189,15 @@ impl Placement {
 impl Scene {
     /// Adds a visible node; returns its index.
     pub(crate) fn add_node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
+        // Formatted names have room to spare, and a wood has hundreds of thousands of leaves.
+        let name = name.as_str().to_owned();
         self.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
         self.nodes.len() - 1
     }
 
     /// Placements of all nodes at `time_s`, in the order of [`Scene::nodes`].
     pub fn placements(&self, time_s: f64) -> Vec<Placement> {
-        let mut placements: Vec<Placement> = Vec::with_capacity(self.nodes.len());
+        let mut placements: Vec<Placement> = large_list(self.nodes.len());
         for node in &self.nodes {
             let parent = node.parent.map_or(Placement::ROOT, |parent| placements[parent]);
             placements.push(parent.below(node, time_s));

@@ -8,6 +8,7 @@ use super::still::Still;
 use super::{Luminaire, MeshTrees};
 use crate::accel::PlacedMesh;
 use crate::fog::{Emitter, Falloff, FogBank, Medium};
+use crate::math::large_list;
 use crate::scene::{Fog, FogShape, GridFrames, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
@@ -68,6 +69,10 @@ impl<'scene> Moment<'scene, '_> {
     /// The visible instances of opaque and of blended triangles.
     pub(super) fn instances(&self, trees: &MeshTrees) -> [PlacedInstances; 2] {
         let [mut still, mut opaque, mut blended] = [(); 3].map(|()| PlacedInstances::default());
+        if self.still.is_none() {
+            opaque.placed.reserve_exact(self.scene.instances.len());
+            opaque.meshes = large_list(self.scene.instances.len());
+        }
         for (index, instance) in self.scene.instances.iter().enumerate() {
             if !self.placements[instance.node].visible {
                 continue;
@@ -94,6 +99,9 @@ impl<'scene> Moment<'scene, '_> {
                     class.meshes.push(mesh);
                 }
             }
+        }
+        if still.placed.is_empty() {
+            return [opaque, blended];
         }
         still.still = still.placed.len();
         still.placed.append(&mut opaque.placed);
