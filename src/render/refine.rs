@@ -103,7 +103,7 @@ pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined 
     picture.add_round(&Round { number: 0, schedule, wanted: &wanted }, &mut film, watch);
     picture.fill_holes(&mut film, watch);
     let estimates = if job.is_judged() {
-        judge(&film, &blocks, completion(picture.convergence())).blocks
+        judge(&film, &blocks, completion(picture.convergence()), true).blocks
     } else {
         Vec::new()
     };
@@ -125,6 +125,9 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         refinement.render(&round, watch);
         let judgement = refinement.judge(&round);
         refinement.choose_blocks(&judgement);
+        if round.is_last() {
+            break;
+        }
         refinement.choose_pixels(&judgement);
         refinement.foresee(&round, &judgement);
     }
@@ -157,7 +160,7 @@ struct Refinement<'a, P> {
 /// Estimates of a film.
 struct Estimates {
     blocks: Vec<BlockEstimate>,
-    /// Variance of each pixel of the film; NaN where it lacks two halves.
+    /// Variance of each pixel of the film, NaN where it lacks two halves; empty after the last round.
     pixels: Vec<f32>,
     /// Greatest variance in each block of a pixel whose light few samples found, so that others may have
     /// missed theirs.
@@ -205,7 +208,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
 
     fn judge(&mut self, round: &Round) -> Judgement {
         let Self { picture, goal, film, blocks, .. } = self;
-        let estimates = judge(film, blocks, completion(picture.convergence()));
+        let estimates = judge(film, blocks, completion(picture.convergence()), round.is_last());
         let excess = |block: usize| {
             if self.goes_on[block] { goal.excess(&estimates.blocks[block], block) } else { 0.0 }
         };
@@ -289,10 +292,10 @@ fn completion(convergence: f64) -> f64 {
     (4.0_f64.powf(convergence) - 1.0).recip()
 }
 
-/// Estimates of blocks from their pixels.
-fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Estimates {
+/// Estimates of blocks from their pixels; after the last round no pixel is chosen by its own.
+fn judge(film: &Film, blocks: &Blocks, completion: f64, is_last: bool) -> Estimates {
     let window = film.window();
-    let pixels = window.width * window.height;
+    let pixels = if is_last { 0 } else { window.width * window.height };
     let mut variances = large_list(pixels);
     variances.resize(pixels, f32::NAN);
     let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
@@ -305,7 +308,9 @@ fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Estimates {
             let mut greatest_of_few = 0.0_f64;
             for &((x, y), PixelEstimate { luminance, variance }) in &pixels {
                 let (Some(index), Some(variance)) = (window.index(x, y), variance) else { continue };
-                variances[index] = variance as f32;
+                if let Some(kept) = variances.get_mut(index) {
+                    *kept = variance as f32;
+                }
                 if variance > FOUND_BY_FEW * completion * luminance * luminance {
                     greatest_of_few = greatest_of_few.max(variance);
                 }

@@ -74,6 +74,11 @@ pub(super) struct Round<'a> {
 }
 
 impl Round<'_> {
+    /// Whether no round follows.
+    pub(super) fn is_last(&self) -> bool {
+        self.number == self.schedule.doublings
+    }
+
     /// Samples a pixel, at least 1.
     pub(super) fn samples(&self) -> u32 {
         self.schedule.first << self.number.saturating_sub(1)
