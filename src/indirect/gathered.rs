@@ -107,3 +107,30 @@ pub(super) fn with_peaks(by_harmonics: Rgb, peaks: impl Iterator<Item = (DVec3, 
         sum + lobe.of_peak(travel) * irradiance
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Sampler;
+
+    /// Each code is off by half a unit at most, which is a 32,767th of the largest moment.
+    #[test]
+    fn codes_gather_what_moments_do() {
+        let mut sampler = Sampler::new(1, 0, 0, 0);
+        let mut numbers = || -> [f32; COUNT] { std::array::from_fn(|_| sampler.next_1d() as f32 - 0.5) };
+        for scale in [1e-9, 1.0, 1e6] {
+            let factors = [numbers(), numbers()];
+            let moments = [numbers(), numbers()].map(|moments| moments.map(|moment| scale * moment));
+            let found = Codes::new([&moments[0], &moments[1]]).product(&factors);
+            let (mut exact, mut largest, mut weights) = (0.0, 0.0_f64, 0.0);
+            for (moment, factor) in moments.as_flattened().iter().zip(factors.as_flattened()) {
+                let [moment, factor] = [*moment, *factor].map(f64::from);
+                exact += moment * factor;
+                weights += factor.abs();
+                largest = largest.max(moment.abs());
+            }
+            assert!((found - exact).abs() < 2e-5 * weights * largest, "{scale}: {found} {exact}");
+        }
+        assert_eq!(Codes::new([&[0.0; COUNT]; 2]).product(&[[1.0; COUNT]; 2]), 0.0);
+    }
+}
