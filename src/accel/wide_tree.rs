@@ -159,6 +159,9 @@ const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 /// and all pairs would be equally good.
 const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
 
+/// Memory that the builder takes for each box, at most.
+const BUILDER_BYTES: usize = 320;
+
 /// A binary tree by PLOC with reinsertion (Meister and Bittner 2018, 2022), as obvhs builds it with its
 /// medium settings. Built in one thread: the same tree every time.
 fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
@@ -178,6 +181,8 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
         Aabb::new(min + shift, max + shift)
     };
     let moved: Vec<Aabb> = boxes.iter().enumerate().map(moved).collect();
+    // Where memory ends the builder panics, and the standard library says so.
+    drop(std::hint::black_box(large_list::<u8>(BUILDER_BYTES * moved.len())));
     let numbers = (0..moved.len() as u32).collect();
     let (search, sort) = (PlocSearchDistance::Medium, SortPrecision::U64);
     let mut tree = PlocBuilder::with_capacity(moved.len()).build(search, &moved, numbers, sort, 3);

@@ -140,7 +140,7 @@ mod tests {
         let mask = Mask::from_fn(Window { x: 5, y: 3, width: 20, height: 10 }, |x, y| x == 16 && y == 7);
         let block = |x, y| Some(Window { x, y, width: 8, height: 8 });
         assert_eq!(mask.unwanted_around(16, 7), None);
-        assert_eq!(mask.unwanted_around(23, 0), Some(Window { x: 23, y: 0, width: 1, height: 1 }));
+        assert_eq!(mask.unwanted_around(23, 3), Some(Window { x: 23, y: 3, width: 1, height: 1 }));
         assert_eq!(mask.unwanted_around(15, 7), block(8, 0));
         assert_eq!(mask.unwanted_around(16, 8), block(16, 8));
     }
