@@ -81,9 +81,10 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
             let picture = |&frame: &i64| {
                 let path = outputs.pictures.as_ref().map(|pattern| pattern.path(frame));
                 let encode = |reason| FrameFileError::Encode { path: source.path(frame), reason };
-                let shown = source.frame(frame)?;
+                let (shown, pixel_aspect) = source.frame(frame)?;
                 dark_frames.count(frame, shown.darkness());
-                let picture = source.sized(Picture::of(&shown, &display).map_err(encode)?).map_err(encode)?;
+                let picture = Picture::of(&shown, &display).map_err(encode)?;
+                let picture = source.sized(picture, pixel_aspect).map_err(encode)?;
                 path.map_or(Ok(()), |path| picture.write(&path))?;
                 Ok(picture)
             };
@@ -200,35 +201,42 @@ impl<'a> Source<'a> {
             Self::Scene { plan, .. } => plan.draw(middle, exposure::small(plan.job.size)),
             Self::Files { files, .. } => {
                 let (after, before) = (files.keys().find(|frame| **frame >= middle), files.keys().last());
-                self.frame(after.or(before).copied().unwrap_or(middle))?
+                self.frame(after.or(before).copied().unwrap_or(middle))?.0
             }
         };
         Ok(frame.auto_exposure_stops())
     }
 
-    /// Picture of a frame at the requested size; scenes are drawn at theirs.
-    fn sized(&self, picture: Picture) -> Result<Picture, String> {
-        let Self::Files { size: Some(size), .. } = self else { return Ok(picture) };
-        let size = resized(picture.size, *size).map_err(|error| error.to_string())?;
+    /// Picture of a frame with square pixels at the requested size; scenes are drawn at theirs.
+    fn sized(&self, picture: Picture, pixel_aspect: f64) -> Result<Picture, String> {
+        let Self::Files { size: wanted, .. } = self else { return Ok(picture) };
+        let square = picture.unsqueezed(pixel_aspect);
+        let size =
+            wanted.map_or(Ok(square), |size| resized(square, size)).map_err(|error| error.to_string())?;
+        if size == picture.size {
+            return Ok(picture);
+        }
         if size.width * size.height > LARGEST_PICTURE {
             return Err(format!("{}x{} pixels are too many for a preview", size.width, size.height));
         }
         Ok(picture.resized(size))
     }
 
-    fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
+    /// A frame, and the width of its pixels by their height.
+    fn frame(&self, frame: i64) -> Result<(Frame, f64), FrameFileError> {
         match self {
-            Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
+            Self::Scene { plan, .. } => Ok((plan.draw(frame, plan.job.size), 1.0)),
             Self::Files { files, doubts, .. } => {
                 let file = frame_file::read(&files[&frame])?;
                 let has_picture = doubts.colors.tell_shown(&files[&frame], &file);
                 let has_pixels = file.frame.window.width > 0;
+                let pixel_aspect = file.pixel_aspect;
                 let shown = file.shown();
                 // Depth may be infinite.
                 if has_picture {
                     doubts.pixels.count(&files[&frame], has_pixels, &shown);
                 }
-                Ok(shown)
+                Ok((shown, pixel_aspect))
             }
         }
     }

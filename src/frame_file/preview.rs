@@ -78,6 +78,13 @@ impl Picture {
         }
     }
 
+    /// Size at which pixels of this width by height are square: none is lost, the shorter side grows.
+    pub fn unsqueezed(&self, pixel_aspect: f64) -> Size {
+        let Size { width, height } = self.size;
+        let grown = |side: usize, factor: f64| (side as f64 * factor.max(1.0)).round() as usize;
+        Size { width: grown(width, pixel_aspect), height: grown(height, 1.0 / pixel_aspect) }
+    }
+
     /// Writes it as PNG, whole or not at all; folders are created.
     pub fn write(&self, path: &Path) -> Result<(), FrameFileError> {
         let encode_error = |reason: String| FrameFileError::Encode { path: path.to_owned(), reason };

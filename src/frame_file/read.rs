@@ -32,7 +32,12 @@ pub struct FrameFile {
     pub pixel_hash: String,
     /// Colour space of the picture.
     pub colors: ImageColors,
+    /// Width of a pixel by its height (`pixelAspectRatio`), 1 where the file says nothing that can be.
+    pub pixel_aspect: f64,
 }
+
+/// Largest and, inverted, least width of a pixel by its height that is taken for meant.
+const WIDEST_PIXEL: f64 = 16.0;
 
 impl FrameFile {
     /// Whether the pixels are those of the stored hash.
@@ -126,7 +131,13 @@ fn read_in(path: &Path, bytes: &[u8], meta: &MetaData, region: Region) -> Result
         attributes: Attributes::from_header(&meta.headers[picture]),
         pixel_hash,
         colors: exr_input::colors_of(bytes, picture),
+        pixel_aspect: pixel_aspect(&meta.headers[0]),
     })
+}
+
+fn pixel_aspect(header: &Header) -> f64 {
+    let aspect = f64::from(header.shared_attributes.pixel_aspect);
+    if (1.0 / WIDEST_PIXEL..=WIDEST_PIXEL).contains(&aspect) { aspect } else { 1.0 }
 }
 
 fn decoded(bytes: &[u8]) -> exr::error::Result<Vec<AnyChannels<FlatSamples>>> {

@@ -39,6 +39,7 @@ struct Made {
     parts: Vec<(&'static str, Vec<(&'static str, f32)>)>,
     id: Option<&'static str>,
     chromaticities: Option<Chromaticities>,
+    pixel_aspect: f32,
 }
 
 const COLOR: [(&str, f32); 3] = [("R", 0.2), ("G", 0.5), ("B", 0.1)];
@@ -46,7 +47,8 @@ const COLOR: [(&str, f32); 3] = [("R", 0.2), ("G", 0.5), ("B", 0.1)];
 impl Made {
     fn new() -> Self {
         let parts = vec![("", COLOR.to_vec())];
-        Self { display: (32, 16), corner: Vec2(0, 0), size: (32, 16), parts, id: None, chromaticities: None }
+        let (display, size, corner) = ((32, 16), (32, 16), Vec2(0, 0));
+        Self { display, corner, size, parts, id: None, chromaticities: None, pixel_aspect: 1.0 }
     }
 
     fn of_space(id: &'static str) -> Self {
@@ -79,6 +81,7 @@ impl Made {
             .collect();
         let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions(self.display));
         attributes.chromaticities = self.chromaticities;
+        attributes.pixel_aspect = self.pixel_aspect;
         let image = Image { attributes, layer_data: layers };
         image.write().non_parallel().to_file(path).unwrap();
     }
@@ -118,6 +121,24 @@ fn recompress(path: &Path, number: u8) {
     let at = bytes.windows(name.len()).position(|window| window == name).unwrap() + name.len();
     bytes[at] = number;
     std::fs::write(path, bytes).unwrap();
+}
+
+/// Frames of an anamorphic lens: what is twice as wide as high is stored as a square.
+#[test]
+fn pixels_that_are_not_square_are_shown_square() {
+    let studio = Studio::new();
+    for (pixel_aspect, flags, expected) in [
+        (2.0, "", (64, 16)),
+        (0.5, "", (32, 32)),
+        (2.0, " --size 50%", (32, 8)),
+        (0.0, "", (32, 16)),
+        (f32::NAN, "", (32, 16)),
+    ] {
+        Made { pixel_aspect, ..Made::new() }.write(&studio.path("squeezed.exr"));
+        studio.succeed(&format!("preview squeezed.exr{flags} --out squeezed.png"));
+        let shown = image::open(studio.path("squeezed.png")).unwrap();
+        assert_eq!((shown.width(), shown.height()), expected, "pixels of {pixel_aspect}");
+    }
 }
 
 #[test]
