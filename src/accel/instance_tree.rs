@@ -69,20 +69,20 @@ impl InstanceTree {
         let mut instances = large_list(placed.size_hint().1.unwrap_or_default());
         instances.extend(placed.filter_map(|(index, placed)| Instance::new(index, placed)));
         let mut bounds: Option<(DVec3, DVec3)> = None;
-        let rounded: Vec<Bounds> = (instances.iter())
-            .map(|instance| {
-                let (min, max) = instance.bounds();
-                let (low, high) = bounds.unwrap_or((min, max));
-                bounds = Some((low.min(min), high.max(max)));
-                let min = Vec3::from_array(min.to_array().map(round_down));
-                Bounds { min, max: Vec3::from_array(max.to_array().map(round_up)) }
-            })
-            .collect();
+        let mut rounded: Vec<Bounds> = large_list(instances.len());
+        rounded.extend(instances.iter().map(|instance| {
+            let (min, max) = instance.bounds();
+            let (low, high) = bounds.unwrap_or((min, max));
+            bounds = Some((low.min(min), high.max(max)));
+            let min = Vec3::from_array(min.to_array().map(round_down));
+            Bounds { min, max: Vec3::from_array(max.to_array().map(round_up)) }
+        }));
         let mut order = Vec::with_capacity(instances.len());
         let tree = WideTree::new(&rounded, 1, |instances| {
             order.extend_from_slice(instances);
             order.len() as u32 - 1
         });
+        drop(rounded);
         // In the tree's order, and in place, as a million take hundreds of megabytes.
         let mut goes_to = vec![0; instances.len()];
         for (to, &from) in order.iter().enumerate() {

@@ -180,13 +180,21 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
         let shift = (fraction * LARGEST_SHIFT) as f32 * (max - min);
         Aabb::new(min + shift, max + shift)
     };
-    let moved: Vec<Aabb> = boxes.iter().enumerate().map(moved).collect();
+    let count = boxes.len();
     // Where memory ends the builder panics, and the standard library says so.
-    drop(std::hint::black_box(large_list::<u8>(BUILDER_BYTES * moved.len())));
-    let numbers = (0..moved.len() as u32).collect();
+    drop(std::hint::black_box(large_list::<u8>(BUILDER_BYTES * count)));
+    let mut moved_boxes: Vec<Aabb> = large_list(count);
+    moved_boxes.extend(boxes.iter().enumerate().map(moved));
     let (search, sort) = (PlocSearchDistance::Medium, SortPrecision::U64);
-    let mut tree = PlocBuilder::with_capacity(moved.len()).build(search, &moved, numbers, sort, 3);
-    drop(moved);
+    // As `PlocBuilder::with_capacity` and `Bvh2::zeroed`, but their lists give their memory back.
+    let mut builder = PlocBuilder {
+        current_nodes: large_list(count),
+        next_nodes: large_list(count),
+        mortons: large_list(count.div_ceil(2)),
+    };
+    let mut tree = Bvh2 { nodes: large_list(2 * count), ..Bvh2::default() };
+    builder.build_with_bvh(&mut tree, search, &moved_boxes, (0..count as u32).collect(), sort, 3);
+    drop((builder, moved_boxes));
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut tree, 0.05, None);
     collapse(&mut tree, leaf_size as u32, 3.0);
@@ -224,7 +232,8 @@ fn summed_up(tree: &Bvh2, boxes: &[Bounds]) -> (Vec<Bounds>, Vec<u32>) {
         }
         next += 1;
     }
-    let (mut bounds, mut leaves) = (vec![Bounds::EMPTY; tree.nodes.len()], vec![1; tree.nodes.len()]);
+    let (mut bounds, mut leaves) = (large_list(tree.nodes.len()), vec![1; tree.nodes.len()]);
+    bounds.resize(tree.nodes.len(), Bounds::EMPTY);
     for index in parents_first.into_iter().rev() {
         let node = &tree.nodes[index];
         let first = node.first_index as usize;

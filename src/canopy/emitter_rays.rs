@@ -4,7 +4,7 @@
 use super::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
 use crate::light::{Emission, LampShape};
-use crate::math::{Ray, bounds, corners, kronecker};
+use crate::math::{Ray, bounds, corners, kronecker, large_list};
 use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
@@ -68,8 +68,7 @@ impl Emitters<'_> {
         let columns = (least.x / spacing).floor() as i64..=(most.x / spacing).ceil() as i64;
         let columns = bundle * columns.start().div_euclid(bundle)..bundle * (columns.end() / bundle + 1);
         let rows = (least.y / spacing).floor() as i64..(most.y / spacing).ceil() as i64 + 1;
-        // Exact, to save memory.
-        let mut rays = Vec::with_capacity(rows.clone().count() * columns.clone().count());
+        let mut rays = large_list(rows.clone().count() * columns.clone().count());
         for row in rows {
             for column in columns.clone() {
                 let across = (column as f64 + 0.5) * spacing * right + (row as f64 + 0.5) * spacing * up;
@@ -111,7 +110,9 @@ pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
         let ray = Ray { origin: position, direction };
         PowerRay { ray, power, depths: [Rgb::ZERO; 2], is_of_sun: false, shape }
     };
-    (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
+    let mut rays = large_list(LAMP_RAYS);
+    rays.extend((0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO));
+    rays
 }
 
 /// Irradiance of the whole disc of a sun, on a plane that faces it.

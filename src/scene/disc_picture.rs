@@ -2,7 +2,7 @@
 //! brightness. Invariant: every channel has the mean 1, so a picture redistributes light and adds none.
 
 use crate::color::{Rgb, luminance};
-use crate::math::{SquareDistribution, disc_from_square, square_from_disc};
+use crate::math::{SquareDistribution, disc_from_square, large_list, square_from_disc};
 use glam::DVec2;
 
 /// Cells along an edge of the square that maps to the disc. They have equal areas, and are about as wide as
@@ -32,7 +32,8 @@ impl DiscPicture {
             }
             sum / (per_cell * per_cell) as f64
         };
-        let mut colors: Vec<Rgb> = (0..DISC_CELLS * DISC_CELLS).map(color_of).collect();
+        let mut colors: Vec<Rgb> = large_list(DISC_CELLS * DISC_CELLS);
+        colors.extend((0..DISC_CELLS * DISC_CELLS).map(color_of));
         let cells = colors.len() as f64;
         let mean = colors.iter().sum::<Rgb>() / cells;
         let grey = luminance(mean);

@@ -8,6 +8,7 @@ use super::ray_visibility::{casting, rays_of};
 use super::{FrozenSky, Luminaire, MeshTrees, Snapshot, View};
 use crate::accel::{InstanceTree, SharedTree};
 use crate::fog::Medium;
+use crate::math::large_list;
 use crate::scene::{Hashed, Material, Pose, Scene};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
@@ -149,7 +150,9 @@ impl<'scene> Contents<'scene> {
 
 /// Median along each axis, which outliers do not move; the world's origin if there are no places.
 fn median(places: impl Iterator<Item = DVec3>) -> DVec3 {
-    let mut places: Vec<DVec3> = places.filter(|place| place.is_finite()).collect();
+    let finite = places.filter(|place| place.is_finite());
+    let mut places: Vec<DVec3> = large_list(finite.size_hint().1.unwrap_or_default());
+    places.extend(finite);
     if places.is_empty() {
         return DVec3::ZERO;
     }

@@ -1,9 +1,9 @@
 //! Bounds of parts, and parts that may be ground. In go parts, out come boxes and level corners. Invariant:
 //! plain ground below layers of fog has no box, so it gets no cells.
 
-use super::{POINTS, PlacedPart, Surroundings};
+use super::{AT_ONCE, POINTS, PlacedPart, Surroundings};
 use crate::canopy::core_bounds::{Weighed, union};
-use crate::math::corners;
+use crate::math::{corners, large_list};
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -58,13 +58,17 @@ impl Surroundings<'_> {
 
     /// Boxes of all parts that are narrower and not plain ground, in world space.
     pub(crate) fn boxes(&self, widest_m: f64) -> Vec<Weighed> {
-        let parts = self.parts.par_iter().filter(|part| !part.is_large(widest_m) && !part.is_plain);
+        let is_narrow = |part: &&PlacedPart| !part.is_large(widest_m) && !part.is_plain;
         let weighed = |part: &PlacedPart| {
             let corners = self.corners(part).into_iter().map(|corner| (corner, corner));
             let bounds = corners.reduce(union)?;
             Some(Weighed { bounds, area_m2: part.width_m * part.length_m })
         };
-        parts.filter_map(weighed).collect()
+        let mut boxes = large_list(self.parts.len());
+        for parts in self.parts.chunks(AT_ONCE) {
+            boxes.extend(parts.par_iter().filter(is_narrow).filter_map(weighed).collect::<Vec<_>>());
+        }
+        boxes
     }
 
     /// Corners of a part's bounds.
