@@ -16,6 +16,7 @@ use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, Cells, StepRow
 use super::upwind_stencil::UpwindStencil;
 use super::walls::{CutNode, Walls};
 use super::wanted::Wanted;
+use super::workspace::Workspace;
 use crate::accel::vectorized;
 use glam::DVec3;
 use std::mem::take;
@@ -61,17 +62,8 @@ pub(crate) struct AngleSet<'a> {
     /// cell of the matter in its room, which is denser along planes.
     stretch: Arc<[f32]>,
     pairs: Vec<Pair>,
-    /// By node, for one pair of ordinates: transmittance of the cell and its mean within, radiance that the
-    /// source adds to the outgoing one and to the mean within, and that mean.
-    oriented_extinction: Vec<f32>,
-    through: Vec<f32>,
-    mean: Vec<f32>,
-    added: [Vec<f32>; 2],
-    added_within: [Vec<f32>; 2],
-    radiance: [Vec<f32>; 2],
-    /// Outgoing radiance of the cells next to walls, by node: a wall's incident light has crossed the whole
-    /// cell.
-    at_walls: [Vec<f32>; 2],
+    /// By node, while the set is swept.
+    own: Workspace,
     /// Outgoing radiance of the cells of a plane, with incident radiance in the rim around it.
     before: Vec<f32>,
     behind: Vec<f32>,
@@ -116,7 +108,6 @@ impl<'a> AngleSet<'a> {
         let planes = Planes::new(layout, axis);
         let count = grid.count();
         let rim = vec![0.0; (planes.count[1] + 2) * planes.row()];
-        let nodes = || vec![0.0; count];
         let oriented_nodes: Arc<[usize]> =
             cross_sections.oriented_nodes().map(|node| layout.node(node)).collect();
         let faces = walls.faces.laid(|node| layout.node(node));
@@ -143,29 +134,23 @@ impl<'a> AngleSet<'a> {
             cut: Arc::clone(&cut),
             stretch: Arc::clone(&stretch),
             pairs: Vec::new(),
-            oriented_extinction: nodes(),
-            through: nodes(),
-            mean: nodes(),
-            added: [nodes(), nodes()],
-            added_within: [nodes(), nodes()],
-            radiance: [nodes(), nodes()],
-            at_walls: [nodes(), nodes()],
+            own: Workspace::default(),
             before: rim.clone(),
             behind: rim.clone(),
             walls: Vec::new(),
         })
     }
 
-    /// Sweeps along those ordinates of a quadrature that belong to the set.
-    pub(crate) fn sweep(
+    /// Sweeps along those ordinates of a quadrature that belong to the set, and returns the memory for it.
+    pub(super) fn sweep(
         &mut self,
         quadrature: &Quadrature,
         sources: &SweepSource,
         wanted: &Wanted,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) {
-        self.pairs = pairs(quadrature, self.axis);
-        let count = self.through.len();
+        (own, cancelled): (Workspace, &(dyn Fn() -> bool + Sync)),
+    ) -> Workspace {
+        (self.own, self.pairs) = (own, pairs(quadrature, self.axis));
+        let count = self.stretch.len();
         let room = |is_wanted: bool, moments: usize| vec![0.0; if is_wanted { moments * count } else { 0 }];
         self.moments = room(wanted.moments, COUNT);
         self.third = room(wanted.third, COUNT);
@@ -175,15 +160,16 @@ impl<'a> AngleSet<'a> {
         self.radiances.clear();
         for number in 0..self.pairs.len() {
             if cancelled() {
-                return;
+                break;
             }
             let ordinate = self.sweep_pair(number, sources);
             self.add_up(ordinate, wanted);
             if let Some(places) = wanted.radiances {
-                let found = self.radiance.each_ref().map(|of_nodes| means(of_nodes, places));
+                let found = self.own.radiance.each_ref().map(|of_nodes| means(of_nodes, places));
                 self.radiances.extend(self.pairs[number].numbers.into_iter().zip(found));
             }
         }
+        take(&mut self.own)
     }
 
     /// Moves the moments out of the set.
@@ -200,9 +186,9 @@ impl<'a> AngleSet<'a> {
     }
 
     fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
-        let [along, against] = &self.radiance;
+        let [along, against] = &self.own.radiance;
         for (side, direction) in [direction, -direction].into_iter().enumerate() {
-            self.towards_faces.add(Ordinate { direction, weight }, &self.at_walls[side], wanted);
+            self.towards_faces.add(Ordinate { direction, weight }, &self.own.at_walls[side], wanted);
         }
         if wanted.moments {
             let factors = basis(direction).map(|value| (weight * value) as f32);
@@ -245,31 +231,31 @@ impl<'a> AngleSet<'a> {
         for (oriented, &node) in
             self.cross_sections.extinction.oriented.iter().zip(self.oriented_nodes.iter())
         {
-            self.oriented_extinction[node] = oriented.along(&products);
+            self.own.oriented_extinction[node] = oriented.along(&products);
         }
         let way_m = (self.cell_m / direction[self.axis].abs()) as f32;
-        let [along, against] = &mut self.added;
-        let [within_along, within_against] = &mut self.added_within;
+        let [along, against] = &mut self.own.added;
+        let [within_along, within_against] = &mut self.own.added_within;
         vectorized(Cells {
             sources: std::array::from_fn(|index| sources.volume.channel(self.channel, index)),
             basis: &basis(direction).map(|value| value as f32),
             isotropic_extinction: &self.isotropic_extinction,
-            oriented_extinction: &self.oriented_extinction,
+            oriented_extinction: &self.own.oriented_extinction,
             way_m,
             stretch: &self.stretch,
-            through: &mut self.through,
-            mean: &mut self.mean,
+            through: &mut self.own.through,
+            mean: &mut self.own.mean,
             added: [along, against],
             added_within: [within_along, within_against],
         });
         for beam in sources.beams {
-            let [along, against] = &mut self.added;
-            let [within_along, within_against] = &mut self.added_within;
+            let [along, against] = &mut self.own.added;
+            let [within_along, within_against] = &mut self.own.added_within;
             vectorized(AddBeam {
                 sources: beam.channel(self.channel),
                 factors: beam.factors(direction),
                 isotropic_extinction: &self.isotropic_extinction,
-                oriented_extinction: &self.oriented_extinction,
+                oriented_extinction: &self.own.oriented_extinction,
                 way_m,
                 stretch: &self.stretch,
                 added: [along, against],
@@ -308,11 +294,11 @@ impl<'a> AngleSet<'a> {
                 rows: planes.count[1],
                 row,
                 columns: planes.count[2],
-                through: &self.through[nodes.clone()],
-                mean: &self.mean[nodes.clone()],
-                added: &self.added[side][nodes.clone()],
-                added_within: &self.added_within[side][nodes.clone()],
-                radiance: &mut self.radiance[side][nodes],
+                through: &self.own.through[nodes.clone()],
+                mean: &self.own.mean[nodes.clone()],
+                added: &self.own.added[side][nodes.clone()],
+                added_within: &self.own.added_within[side][nodes.clone()],
+                radiance: &mut self.own.radiance[side][nodes],
                 stride: planes.stride[1],
             });
             self.past_cut_links((side, plane), stencil);
@@ -338,9 +324,10 @@ impl<'a> AngleSet<'a> {
                         };
                 }
             }
-            self.radiance[side][node] = entering * self.mean[node] + self.added_within[side][node];
-            self.behind[here] = entering * self.through[node] + self.added[side][node];
-            self.at_walls[side][node] = self.behind[here];
+            self.own.radiance[side][node] =
+                entering * self.own.mean[node] + self.own.added_within[side][node];
+            self.behind[here] = entering * self.own.through[node] + self.own.added[side][node];
+            self.own.at_walls[side][node] = self.behind[here];
         }
     }
 }

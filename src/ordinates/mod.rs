@@ -35,6 +35,7 @@ mod sweep_kernels;
 mod upwind_stencil;
 pub(crate) mod walls;
 mod wanted;
+mod workspace;
 
 pub use moment_operators::{DEGREES, HARMONICS, Harmonics, basis as harmonic_basis};
 pub use plane_parallel::{Beam, Boundaries, Level, Part, PlaneParallel, Species, Stack};

@@ -17,6 +17,7 @@ use super::sky::{Sky, is_isotropic};
 use super::sweep::{Sweeper, Swept};
 use super::wanted::Wanted;
 use crate::color::Rgb;
+use std::mem::replace;
 
 /// Maximum number of iterations for all orders, before acceleration.
 const MOST_ITERATIONS: u32 = 24;
@@ -200,14 +201,16 @@ impl<'a> SourceIteration<'a> {
                 Swept::add_to(&mut from_outside, swept);
             }
         }
-        let first = self.sweep_finely(&source, &wanted);
+        drop(nothing);
+        let mut first = self.sweep_finely(&source, &wanted);
         let (mut last, mut radiances, is_endless) = match problem.orders {
             Some(orders) => {
                 let (last, radiances) = self.count(orders, (source, later), first, &mut light);
                 (last, radiances, false)
             }
             None => {
-                let (sent, is_endless) = self.iterate((source, later), first.as_ref(), &mut light);
+                let first_light = first.as_mut().map(|swept| replace(&mut swept.moments, Moments::zero(0)));
+                let (sent, is_endless) = self.iterate((source, later), first_light, &mut light);
                 let mut last = self.sweep(&sent, BoundaryCondition::Vacuum, &problem.last(true));
                 first.iter().for_each(|swept| last.add_last(swept));
                 (last, Vec::new(), is_endless)
@@ -232,7 +235,7 @@ impl<'a> SourceIteration<'a> {
     fn iterate(
         &mut self,
         (mut source, later): (Source, &Source),
-        mut first: Option<&Swept>,
+        mut first: Option<Moments>,
         light: &mut Moments,
     ) -> (Source, bool) {
         let problem = self.problem;
@@ -242,12 +245,10 @@ impl<'a> SourceIteration<'a> {
             if (problem.cancelled)() {
                 break;
             }
-            let next = if let Some(first) = first.take() {
-                first.moments.clone()
-            } else {
+            let next = first.take().unwrap_or_else(|| {
                 sent.add(&source, [1.0; 3]);
                 self.sweep(&source, BoundaryCondition::Vacuum, &Wanted::ORDERS).moments
-            };
+            });
             light.add(&next, [1.0; 3]);
             let is_stable = series.go_on(next.total(), light.total());
             if iteration >= FEWEST_ITERATIONS && is_stable

@@ -18,6 +18,7 @@ use super::moments::Moments;
 use super::planes::Layout;
 use super::quadrature::Quadrature;
 use super::wanted::Wanted;
+use super::workspace::Workspace;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -71,6 +72,8 @@ pub(crate) struct Sweeper<'a> {
     turned: Layout,
     /// Angle sets by axis, then by channel.
     angle_sets: Vec<AngleSet<'a>>,
+    /// Memory for angle sets that are swept, as many as there are threads.
+    workspaces: Mutex<Vec<Workspace>>,
 }
 
 impl<'a> Sweeper<'a> {
@@ -82,7 +85,8 @@ impl<'a> Sweeper<'a> {
             AngleSet::of_axis(domain, Layout { is_turned: axis == 0, ..turned }, axis)
         });
         let count_with_faces = domain.walls.faces.count_with_nodes();
-        Self { count: grid.count(), count_with_faces, turned, angle_sets: angle_sets.collect() }
+        let (angle_sets, workspaces) = (angle_sets.collect(), Mutex::default());
+        Self { count: grid.count(), count_with_faces, turned, angle_sets, workspaces }
     }
 
     /// Light of sources along a quadrature, without scattering. Once `cancelled` returns true, the result is
@@ -102,11 +106,16 @@ impl<'a> Sweeper<'a> {
             .map(|places| places.iter().map(|corners| self.turned.corners(corners)).collect());
         let turned_wanted = Wanted { radiances: turned_places.as_deref(), ..*wanted };
         let sums = Mutex::new(Sums::new(self, wanted));
-        self.angle_sets.par_iter_mut().for_each(|set| {
-            match set.axis {
-                0 => set.sweep(quadrature, &turned, &turned_wanted, cancelled),
-                _ => set.sweep(quadrature, sources, wanted, cancelled),
-            }
+        let Self { count, angle_sets, workspaces, .. } = self;
+        let workspaces = || workspaces.lock().unwrap_or_else(PoisonError::into_inner);
+        angle_sets.par_iter_mut().for_each(|set| {
+            let known = workspaces().pop();
+            let own = known.map_or_else(|| Workspace::new(*count), Workspace::cleared);
+            let own = match set.axis {
+                0 => set.sweep(quadrature, &turned, &turned_wanted, (own, cancelled)),
+                _ => set.sweep(quadrature, sources, wanted, (own, cancelled)),
+            };
+            workspaces().push(own);
             sums.lock().unwrap_or_else(PoisonError::into_inner).add(set.take());
         });
         let swept = sums.into_inner().unwrap_or_else(PoisonError::into_inner).swept;
