@@ -89,9 +89,9 @@ impl<'a> Surroundings<'a> {
                 sides.sort_by(f64::total_cmp);
                 let [thickness_m, width_m, length_m] = sides;
                 PlacedPart {
-                    mesh_number,
+                    mesh_number: mesh_number as u32,
                     part,
-                    number,
+                    number: number as u32,
                     looks: (first_looks + number) as u32,
                     thickness_m,
                     width_m,
@@ -109,7 +109,7 @@ impl<'a> Surroundings<'a> {
     }
 
     fn mesh(&self, part: &PlacedPart) -> DrawnMesh<'a> {
-        self.snapshot.mesh(part.mesh_number)
+        self.snapshot.mesh(part.mesh_number as usize)
     }
 
     /// Width of leaves: the mean by area over all parts narrower than `widest_m`; 0 if there are fewer than
@@ -202,9 +202,7 @@ impl<'a> Surroundings<'a> {
         self.find_means(self.parts.iter().filter(is_small));
         let means: Vec<Option<Arc<SurfaceOptics>>> =
             self.means.iter().map(|mean| mean.get().map(|mean| Arc::new(*mean))).collect();
-        let mut all = Vec::new();
-        // Exact, to save memory.
-        all.reserve_exact(self.parts.iter().filter(is_small).count());
+        let mut all = large_list(self.parts.iter().filter(is_small).count());
         for parts in self.parts.chunks(AT_ONCE) {
             let small = parts.par_iter().filter(is_small);
             let leaves = small.filter_map(|part| self.leaf(part, means[part.looks as usize].as_ref()?));
@@ -225,8 +223,8 @@ impl<'a> Surroundings<'a> {
         }
         let is_flat = all > 0.0 && facing.length() > FLAT * all;
         is_flat.then(|| Leaf {
-            mesh: part.mesh_number as u32,
-            part: part.number as u32,
+            mesh: part.mesh_number,
+            part: part.number,
             position: middle(places.into_iter()),
             normal: facing.normalize(),
             area_m2: all * optics.cover,

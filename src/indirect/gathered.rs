@@ -27,7 +27,13 @@ impl Gathered {
 /// memory of two [`Gathered`].
 pub(super) struct BothSides {
     sides: [Side; 2],
-    peaks: Box<[BothPeaks]>,
+    peaks: Peaks,
+}
+
+/// Forward peaks of all suns. Most scenes have one sun, which needs no list.
+enum Peaks {
+    One(BothPeaks),
+    Several(Box<[BothPeaks]>),
 }
 
 /// Moments of one side, by channel.
@@ -71,11 +77,14 @@ impl BothSides {
     pub(super) fn new(sides: [Gathered; 2]) -> Self {
         let [front, back] = &sides;
         let single = |color: DVec3| color.as_vec3().to_array();
-        let peaks = front.peaks.iter().zip(&back.peaks).map(|(front, back)| BothPeaks {
+        let mut peaks = front.peaks.iter().zip(&back.peaks).map(|(front, back)| BothPeaks {
             travel: single(front.travel),
             irradiances: [front, back].map(|peak| single(peak.irradiance)),
         });
-        let peaks = peaks.collect();
+        let peaks = match (peaks.len(), peaks.next()) {
+            (1, Some(one)) => Peaks::One(one),
+            (_, first) => Peaks::Several(first.into_iter().chain(peaks).collect()),
+        };
         let sides = sides.map(|side| {
             let Gathered { moments, fourth, clump, .. } = side;
             let channels = [0, 1, 2].map(|channel| Codes::new([&moments[channel], &fourth[channel]]));
@@ -94,8 +103,11 @@ impl BothSides {
         let factors = factors.map(|factors| factors.map(|factor| factor as f32));
         let irradiance = Rgb::from_array([0, 1, 2].map(|channel| channels[channel].product(&factors)));
         let double = |numbers: [f32; 3]| DVec3::from_array(numbers.map(f64::from));
-        let peaks = self.peaks.iter();
-        let peaks = peaks.map(|peak| (double(peak.travel), double(peak.irradiances[number])));
+        let peaks = match &self.peaks {
+            Peaks::One(one) => std::slice::from_ref(one),
+            Peaks::Several(all) => all,
+        };
+        let peaks = peaks.iter().map(|peak| (double(peak.travel), double(peak.irradiances[number])));
         (with_peaks(irradiance, peaks, lobe), *clump)
     }
 }

@@ -12,9 +12,9 @@ const LEAST_EXPOSED: f64 = 0.1;
 
 /// A part of a placed mesh. There may be a million.
 pub(super) struct PlacedPart<'a> {
-    pub(super) mesh_number: usize,
+    pub(super) mesh_number: u32,
     pub(super) part: &'a MeshPart,
-    pub(super) number: usize,
+    pub(super) number: u32,
     /// Number of its look. Parts with the same look in all places share it: those with the same mesh,
     /// material and part number, blended or not.
     pub(super) looks: u32,
