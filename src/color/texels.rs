@@ -13,12 +13,12 @@ pub struct Texels {
     pub(crate) mixes_codes: bool,
 }
 
-/// Texels, four numbers each.
+/// Texels, four numbers each unless they say otherwise.
 #[derive(Clone, Debug)]
 enum Stored {
-    /// 8 bits each; colours become light by `curve`, one value a code.
-    Bytes { codes: Vec<u8>, curve: &'static [f32] },
-    /// 16 bits each, likewise.
+    /// 8 bits each; colours become light by `curve`, one value a code. Opaque texels have three numbers.
+    Bytes { codes: Vec<u8>, numbers: usize, curve: &'static [f32] },
+    /// 16 bits each, likewise, but always four.
     Words { codes: Vec<u16>, curve: &'static [f32] },
     /// Linear light.
     Floats(Vec<[f32; 4]>),
@@ -62,11 +62,11 @@ impl Texels {
     #[inline]
     pub fn between(&self, indices: [usize; 4], DVec2 { x, y }: DVec2) -> DVec4 {
         let mix = |[a, b, c, d]: [DVec4; 4]| a.lerp(b, x).lerp(c.lerp(d, x), y);
-        let codes = match &self.stored {
-            Stored::Bytes { codes, .. } if self.mixes_codes => codes,
-            Stored::Bytes { codes, curve } => {
+        let (codes, numbers) = match &self.stored {
+            Stored::Bytes { codes, numbers, .. } if self.mixes_codes => (codes, *numbers),
+            Stored::Bytes { codes, numbers, curve } => {
                 let texel = |index: usize| {
-                    let [a, b, c, d] = light(&codes[4 * index..4 * index + 4], curve);
+                    let [a, b, c, d] = light(texel(codes, *numbers, index), curve);
                     DVec4::new(a.into(), b.into(), c.into(), d.into())
                 };
                 let [a, b, c, d] = indices;
@@ -77,7 +77,10 @@ impl Texels {
                 return mix(indices.map(texel));
             }
         };
-        let code = |index: usize| [0, 1, 2, 3].map(|channel| f64::from(codes[4 * index + channel]));
+        let code = |index: usize| {
+            let texel = texel(codes, numbers, index);
+            [0, 1, 2, 3].map(|channel| f64::from(*texel.get(channel).unwrap_or(&u8::MAX)))
+        };
         let [red, green, blue, alpha] = mix(indices.map(|index| DVec4::from_array(code(index)))).to_array();
         let light = |code: f64| f64::from(SRGB_WORDS[(257.0 * code).round() as usize]);
         DVec4::new(light(red), light(green), light(blue), alpha / 255.0)
@@ -86,18 +89,27 @@ impl Texels {
     /// The first byte of a texel of bytes.
     pub fn byte(&self, index: usize) -> Option<&u8> {
         match &self.stored {
-            Stored::Bytes { codes, .. } => codes.get(4 * index),
+            Stored::Bytes { codes, numbers, .. } => codes.get(numbers * index),
             _ => None,
         }
     }
 
     /// Texels from 8 bits a number, four numbers a texel; a rest of fewer is left out.
     pub fn of_bytes(codes: Vec<u8>, curve: CodeCurve) -> Self {
+        Self::of_numbers(4, codes, curve)
+    }
+
+    /// Opaque texels from 8 bits a number, three numbers a texel.
+    pub fn of_opaque_bytes(codes: Vec<u8>, curve: CodeCurve) -> Self {
+        Self::of_numbers(3, codes, curve)
+    }
+
+    fn of_numbers(numbers: usize, codes: Vec<u8>, curve: CodeCurve) -> Self {
         let curve = match curve {
             CodeCurve::Srgb => SRGB_BYTES.as_slice(),
             CodeCurve::Linear => LINEAR_BYTES.as_slice(),
         };
-        Self::stored(Stored::Bytes { codes, curve })
+        Self::stored(Stored::Bytes { codes, numbers, curve })
     }
 
     /// Creates texels from 16-bit numbers, four a texel; an incomplete last texel is dropped.
@@ -112,7 +124,7 @@ impl Texels {
     /// Number of texels.
     pub fn len(&self) -> usize {
         match &self.stored {
-            Stored::Bytes { codes, .. } => codes.len() / 4,
+            Stored::Bytes { codes, numbers, .. } => codes.len() / numbers,
             Stored::Words { codes, .. } => codes.len() / 4,
             Stored::Floats(texels) => texels.len(),
         }
@@ -130,8 +142,8 @@ impl Texels {
     #[inline]
     pub fn get(&self, index: usize) -> [f32; 4] {
         match &self.stored {
-            Stored::Bytes { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
-            Stored::Words { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
+            Stored::Bytes { codes, numbers, curve } => light(texel(codes, *numbers, index), curve),
+            Stored::Words { codes, curve } => light(texel(codes, 4, index), curve),
             Stored::Floats(texels) => texels[index],
         }
     }
@@ -150,12 +162,22 @@ impl Texels {
     }
 }
 
-/// Colour by its curve, alpha as a share of the largest code, which is the curve's last.
+fn texel<T>(codes: &[T], numbers: usize, index: usize) -> &[T] {
+    &codes[numbers * index..][..numbers]
+}
+
+/// Colour by its curve, alpha as a share of the largest code, which is the curve's last; 1 without alpha.
 #[inline(always)]
 fn light<T: Copy + Into<u16>>(texel: &[T], curve: &[f32]) -> [f32; 4] {
-    let code = |channel: usize| -> u16 { texel[channel].into() };
-    let color = |channel: usize| curve[usize::from(code(channel))];
-    [color(0), color(1), color(2), f32::from(code(3)) / (curve.len() - 1) as f32]
+    let color = |channel: usize| -> f32 {
+        let code: u16 = texel[channel].into();
+        curve[usize::from(code)]
+    };
+    let alpha = texel.get(3).map_or(1.0, |&code| {
+        let code: u16 = code.into();
+        f32::from(code) / (curve.len() - 1) as f32
+    });
+    [color(0), color(1), color(2), alpha]
 }
 
 impl From<Vec<[f32; 4]>> for Texels {
@@ -215,6 +237,20 @@ mod tests {
         texels.mix_codes();
         let [red, .., alpha] = halfway(&texels).to_array();
         assert!((red - linear_from_srgb(0.5)).abs() < 1e-4 && alpha == 0.5, "{red} {alpha}");
+    }
+
+    #[test]
+    fn opaque_texels_are_those_with_an_alpha_of_one() {
+        let with_alpha = Texels::of_bytes(vec![9, 80, 200, 255, 0, 130, 255, 255], CodeCurve::Srgb);
+        let opaque = Texels::of_opaque_bytes(vec![9, 80, 200, 0, 130, 255], CodeCurve::Srgb);
+        assert_eq!(opaque, with_alpha);
+        for mixes_codes in [false, true] {
+            let [opaque, with_alpha] = [&opaque, &with_alpha].map(|texels| {
+                let texels = Texels { mixes_codes, ..texels.clone() };
+                texels.between([0, 1, 1, 0], DVec2::new(0.3, 0.6))
+            });
+            assert_eq!(opaque, with_alpha);
+        }
     }
 
     #[test]

@@ -122,8 +122,10 @@ fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
     let has_words = decoded.color().bytes_per_pixel() > decoded.color().channel_count();
     let texels = if has_words {
         Texels::of_words(decoded.into_rgba16().into_raw(), curve)
-    } else {
+    } else if decoded.color().has_alpha() {
         Texels::of_bytes(decoded.into_rgba8().into_raw(), curve)
+    } else {
+        Texels::of_opaque_bytes(decoded.into_rgb8().into_raw(), curve)
     };
     DecodedImage::new(width, height, texels)
 }
