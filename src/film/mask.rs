@@ -7,11 +7,15 @@ use crate::scene::{Size, Window};
 /// More than a picture's width or height.
 const BEYOND_ALL_PX: usize = u32::MAX as usize;
 
+/// Pixels of a word.
+const WORD: usize = u64::BITS as usize;
+
 /// Set of pixels of the full picture.
 #[derive(Clone, Debug)]
 pub struct Mask {
     window: Window,
-    wanted: Vec<bool>,
+    /// A bit for each pixel, the lowest of a word first.
+    wanted: Vec<u64>,
     /// Blocks that the window touches, in blocks from the picture's corner, and which of them contain pixels
     /// of the set.
     blocks: Window,
@@ -33,19 +37,20 @@ impl Mask {
         let ((x, width), (y, height)) = (span(window.x, window.width), span(window.y, window.height));
         let blocks = Window { x, y, width, height };
         let mut is_inhabited = vec![false; width * height];
-        let wanted = window.pixels().map(|(x, y)| {
+        let mut bits = vec![0; (window.width * window.height).div_ceil(WORD)];
+        for (pixel, (x, y)) in window.pixels().enumerate() {
             let is_wanted = wanted(x, y);
+            bits[pixel / WORD] |= u64::from(is_wanted) << (pixel % WORD);
             if let Some(block) = blocks.index(x / BLOCK_SIDE, y / BLOCK_SIDE) {
                 is_inhabited[block] |= is_wanted;
             }
-            is_wanted
-        });
-        Self { window, wanted: wanted.collect(), blocks, is_inhabited }
+        }
+        Self { window, wanted: bits, blocks, is_inhabited }
     }
 
     /// Mask with the neighbours of its pixels, inside the picture.
     pub fn with_rim(&self, full: Size) -> Self {
-        if self.window == Window::whole(full) && self.wanted.iter().all(|wanted| *wanted) {
+        if self.window == Window::whole(full) && self.count() == full.width * full.height {
             return self.clone();
         }
         Self::from_fn(self.window.with_rim(full), |x, y| {
@@ -55,12 +60,12 @@ impl Mask {
 
     /// Number of pixels.
     pub fn count(&self) -> usize {
-        self.wanted.iter().filter(|wanted| **wanted).count()
+        self.wanted.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     /// Whether the mask contains a pixel of the full picture.
     pub fn contains(&self, x: usize, y: usize) -> bool {
-        self.window.index(x, y).is_some_and(|index| self.wanted[index])
+        self.window.index(x, y).is_some_and(|pixel| self.wanted[pixel / WORD] >> (pixel % WORD) & 1 == 1)
     }
 
     /// Blocks of the picture that contain pixels of the mask.
