@@ -89,6 +89,11 @@ def volume(scene, path, material=None, location=(0.0, 0.0, 1.0)):
     return scenes.add(scene, "mist", data, location)
 
 
+def by_steps(scene):
+    """Cycles marches in steps of half its usual length: what it bounds its random steps by takes 3 to 5 CPU s a picture."""
+    scene.cycles.volume_biased, scene.cycles.volume_step_rate = True, 0.5
+
+
 class Volumes(Case):
     def export(self, name="scene.glb"):
         told = export.exported(self.scene, self.folder / name)
@@ -284,7 +289,8 @@ class Volumes(Case):
             thing = volume(self.scene, path, principled(Density=0.8, Color=(0.0, 0.0, 0.0, 1.0)))
             thing.rotation_euler = (0.3, 0.2, 0.5)
             thing.scale = (1.5, 1.0, 0.8)
-            wish = beside.Wish(PROGRAM, 1, (64, 48), 64, 256)
+            wish = beside.Wish(PROGRAM, 1, (64, 48), 64, 64)
+            by_steps(self.scene)
             with mock.patch.dict(os.environ, {"SUNFLECK_BAKES": str(self.folder)}):
                 ours, theirs, findings = beside.pictures(self.scene, wish, self.folder)
             depths = [-numpy.log(blocks(picture)) for picture in (ours, theirs)]
@@ -298,6 +304,7 @@ class Volumes(Case):
     def beside_cycles(self, bounces=0):
         """Means, and what the export found."""
         wish = beside.Wish(PROGRAM, 1, (48, 36), 64, 256, bounces)
+        by_steps(self.scene)
         with mock.patch.dict(os.environ, {"SUNFLECK_BAKES": str(self.folder)}):
             ours, theirs, findings = beside.pictures(self.scene, wish, self.folder)
         self.assertEqual([finding for finding in findings if finding.id.startswith("volume")], [])
