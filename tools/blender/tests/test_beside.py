@@ -19,9 +19,9 @@ sys.path.append(str(Path(__file__).parents[2]))
 
 from sunfleck_tools.peers import beside
 
-# Enough for a tenth of the bars, and of random walks for a fifth.
-SAMPLES, CYCLES_SAMPLES = 32, 64
-WALKS, CYCLES_WALKS = 128, 256
+# Enough for a fifth of the bars, and of random walks for a third.
+SAMPLES, CYCLES_SAMPLES = 32, 32
+WALKS, CYCLES_WALKS = 64, 64
 # Of each way in which light goes on: leaves, shine, light through a leaf, fog, and past what is not seen.
 BOUNCED = ("leaves, particles", "coloured metal", "translucent leaf", "fog box", "unseen things")
 
