@@ -70,7 +70,7 @@ class Frosted(Case):
         """By random walks, and on the grid."""
         scene = kinds.stage()
         kinds.surfaces.frosted_before_a_wall(scene)
-        wish = beside.Wish(PROGRAM, 1, (scene.render.resolution_x, scene.render.resolution_y), 256, 512, bounces=3)
+        wish = beside.Wish(PROGRAM, 1, (scene.render.resolution_x, scene.render.resolution_y), 64, 128, bounces=3)
         beside.exported(scene, wish, self.folder)
         theirs = beside.theirs(scene, wish, self.folder)
         for volume, bar in (("paths", kinds.EXACT), ("auto", kinds.BAKED)):
@@ -88,7 +88,7 @@ class Glowing(Case):
         kinds.lamps.mesh_lamp(scene)
         size = (scene.render.resolution_x, scene.render.resolution_y)
         for bounces in (1, 2):
-            wish = beside.Wish(PROGRAM, 1, size, 256, 512, bounces)
+            wish = beside.Wish(PROGRAM, 1, size, 64, 128, bounces)
             beside.exported(scene, wish, self.folder)
             theirs = beside.theirs(scene, wish, self.folder).mean()
             for volume, bar in (("paths", kinds.EXACT), ("auto", kinds.BAKED)):
