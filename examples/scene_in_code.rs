@@ -38,12 +38,11 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         vec![[-2.0, 0.0, -1.0], [2.0, 0.0, -1.0], [0.0, 0.8, -1.0], [0.0, 0.0, 1.0]],
         vec![[0, 3, 2], [3, 1, 2]],
     );
-    let leaf = Shape::Leaf {
-        length_m: 0.3.into(),
-        width_m: 0.18.into(),
-        curl_deg: 30.0.into(),
-        fold_deg: 10.0.into(),
-    };
+    let leaf = Shape::leaf(0.3, 0.18).with(|leaf| {
+        if let Shape::Leaf { curl_deg, fold_deg, .. } = leaf {
+            (*curl_deg, *fold_deg) = (30.0.into(), 10.0.into());
+        }
+    });
     let turning = Object::of("leaf", "gold").with(|object| {
         object.translation_m = [0.3, 1.3, 1.8].into();
         object.rotation_deg = Some(Animated::cycle([(0.0, [20.0, 0.0, 10.0]), (2.0, [20.0, 360.0, 10.0])]));
@@ -69,7 +68,7 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
     Scene::builder()
         .shape("leaf", leaf)
         .mesh("roof", roof)
-        .shape("ground", Shape::Quad { size_m: 8.0.into() })
+        .shape("ground", Shape::quad(8.0))
         .material(
             "gold",
             Material::matte([0.6, 0.4, 0.05]).with(|material| material.transmission = [0.3, 0.2, 0.0].into()),

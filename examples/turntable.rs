@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera.look_at_m = Some([0.0; 3].into());
     });
     let scene = Scene::builder()
-        .shape("cube", Shape::Cube { size_m: 1.0.into() })
+        .shape("cube", Shape::cube(1.0))
         .material("gold", Material::matte([0.8, 0.5, 0.05]))
         .object("cube", Object::of("cube", "gold"))
         .object("arm", Object::default().with(|arm| arm.rotation_deg = Some(turn)))

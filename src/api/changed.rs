@@ -3,8 +3,8 @@
 
 use crate::description::obj::Triangles;
 use crate::description::ron::{
-    Aperture, Camera, Fall, FallGround, FallMotion, Fog, Julia, Leaves, Material, Mist, NormalMap, Object,
-    Species, Sun, Wind,
+    Aperture, Camera, Fall, FallGround, FallMotion, Fog, Julia, Leaves, Light, Material, Mist, NormalMap,
+    Object, Shape, Sky, Species, Sun, Wind,
 };
 
 macro_rules! changed {
@@ -21,6 +21,6 @@ macro_rules! changed {
 }
 
 changed! {
-    Aperture Camera Fall FallGround FallMotion Fog Julia Leaves Material Mist NormalMap Object Species Sun
-    Triangles Wind
+    Aperture Camera Fall FallGround FallMotion Fog Julia Leaves Light Material Mist NormalMap Object Shape
+    Sky Species Sun Triangles Wind
 }

@@ -30,12 +30,7 @@ fn tile() -> SceneBuilder {
     let moving = Object::of("tile", "grey").with(|object| {
         object.translation_m = Animated::keys([(0.0, [0.0, 0.0, 0.0]), (1.0, [2.4, 0.0, 0.0])])
     });
-    let lamp = Light::Point {
-        parent: None,
-        position_m: [0.0, 1.0, 3.0].into(),
-        intensity_w_per_sr: [5.0; 3].into(),
-        radius_m: 0.0.into(),
-    };
+    let lamp = Light::point([0.0, 1.0, 3.0], [5.0; 3]);
     Scene::builder()
         .mesh("tile", square())
         .material("grey", Material::matte([0.5; 3]))
@@ -245,7 +240,7 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
         sun.irradiance_w_per_m2 = [3.0; 3].into();
     }));
     let made = Scene::builder()
-        .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
+        .shape("ball", Shape::sphere(0.5))
         .material("grey", Material::matte([0.5; 3]))
         .object("ball", Object::of("ball", "grey"))
         .camera("main", Camera::default().with(|camera| camera.position_m = [0.0, 0.0, 4.0].into()))
@@ -261,8 +256,8 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
 fn stage() -> SceneBuilder {
     let object = |mesh: &str| Object::of(mesh, "grey");
     Scene::builder()
-        .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
-        .shape("floor", Shape::Quad { size_m: 6.0.into() })
+        .shape("ball", Shape::sphere(0.5))
+        .shape("floor", Shape::quad(6.0))
         .object("ball", object("ball").with(|object| object.translation_m = [0.0, 0.6, 0.0].into()))
         .object("floor", object("floor"))
         .camera("main", Camera::default().with(|camera| camera.position_m = [0.0, 1.0, 4.0].into()))
@@ -293,28 +288,18 @@ fn assert_same_picture(made: SceneBuilder, folder: &Path, fields: &str) {
 fn lights_of_code_are_those_of_files() {
     let folder = tempfile::tempdir().expect("a folder");
     const GREY: &str = "materials: { \"grey\": (base_color: 0.5) }";
-    let disc = Light::Disc {
-        parent: None,
-        position_m: [0.5, 2.0, 1.0].into(),
-        target_m: [0.0, 0.0, 0.0].into(),
-        diameter_m: 0.7.into(),
-        power_w: [9.0, 8.0, 7.0].into(),
-    };
+    let disc = Light::disc([0.5, 2.0, 1.0], [0.0; 3], 0.7, [9.0, 8.0, 7.0]);
     let text =
         "lights: { \"lit\": Disc(position_m: (0.5, 2.0, 1.0), target_m: (0.0, 0.0, 0.0), diameter_m: 0.7,
         power_w: (9.0, 8.0, 7.0)) }";
     let lit = |light: Light| stage().material("grey", grey()).light("lit", light);
     assert_same_picture(lit(disc), folder.path(), &format!("{GREY}, {text}"));
 
-    let rectangle = Light::Rectangle {
-        parent: None,
-        position_m: [0.5, 2.0, 1.0].into(),
-        target_m: [0.0, 0.0, 0.0].into(),
-        up: [1.0, 0.0, 0.0].into(),
-        width_m: 0.2.into(),
-        height_m: 1.5.into(),
-        power_w: [9.0; 3].into(),
-    };
+    let rectangle = Light::rectangle([0.5, 2.0, 1.0], [0.0; 3], [0.2, 1.5], [9.0; 3]).with(|light| {
+        if let Light::Rectangle { up, .. } = light {
+            *up = [1.0, 0.0, 0.0].into();
+        }
+    });
     let text = "lights: { \"lit\": Rectangle(position_m: (0.5, 2.0, 1.0), target_m: (0.0, 0.0, 0.0), up: (1.0, 0.0, 0.0),
         width_m: 0.2, height_m: 1.5, power_w: 9.0) }";
     assert_same_picture(lit(rectangle), folder.path(), &format!("{GREY}, {text}"));
@@ -351,25 +336,23 @@ fn skies_and_textures_of_code_are_those_of_files() {
         material.normal_map = Some(NormalMap::new(path("panes.ppm")).with(|map| map.scale = 0.5.into()));
         material.base_color = Some([0.7; 3].into());
     });
-    let gradient = Sky::Gradient {
-        zenith_w_per_m2_sr: [0.2, 0.4, 0.8].into(),
-        horizon_w_per_m2_sr: [1.0; 3].into(),
-        ground_w_per_m2_sr: [0.1; 3].into(),
-        strength: [2.0; 3].into(),
-        lights: SkyLight::Surfaces,
-    };
+    let gradient = Sky::gradient([0.2, 0.4, 0.8], [1.0; 3]).with(|sky| {
+        if let Sky::Gradient { ground_w_per_m2_sr, strength, lights, .. } = sky {
+            *ground_w_per_m2_sr = [0.1; 3].into();
+            (*strength, *lights) = ([2.0; 3].into(), SkyLight::Surfaces);
+        }
+    });
     let text = "materials: { \"grey\": (texture: \"panes.ppm\", base_color: 0.7, transmission: 0.2,
         transmission_texture: \"panes.ppm\", normal_map: (texture: \"panes.ppm\", scale: 0.5)) },
         sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.4, 0.8), horizon_w_per_m2_sr: 1.0, ground_w_per_m2_sr: 0.1, strength: 2.0,
         lights: Surfaces)";
     assert_same_picture(stage().material("grey", bent).sky(gradient), folder.path(), text);
 
-    let image = Sky::Image {
-        image: path("sky.hdr"),
-        strength_w_per_m2_sr: [3.0; 3].into(),
-        rotation_deg: 50.0.into(),
-        lights: SkyLight::SurfacesAndFog,
-    };
+    let image = Sky::image(path("sky.hdr")).with(|sky| {
+        if let Sky::Image { strength_w_per_m2_sr, rotation_deg, .. } = sky {
+            (*strength_w_per_m2_sr, *rotation_deg) = ([3.0; 3].into(), 50.0.into());
+        }
+    });
     let text = "materials: { \"grey\": (base_color: 0.5) },
         sky: Image(image: \"sky.hdr\", strength_w_per_m2_sr: 3.0, rotation_deg: 50.0)";
     assert_same_picture(stage().material("grey", grey()).sky(image), folder.path(), text);
@@ -378,7 +361,11 @@ fn skies_and_textures_of_code_are_those_of_files() {
         material.texture = Some(path("panes.ppm"));
         material.alpha_cutoff = Some(0.5.into());
     });
-    let even = Sky::Constant { radiance_w_per_m2_sr: [1.0; 3].into(), lights: SkyLight::Surfaces };
+    let even = Sky::constant([1.0; 3]).with(|sky| {
+        if let Sky::Constant { lights, .. } = sky {
+            *lights = SkyLight::Surfaces;
+        }
+    });
     let text = "materials: { \"grey\": (texture: \"panes.ppm\", alpha_cutoff: 0.5) },
         sky: Constant(radiance_w_per_m2_sr: 1.0, lights: Surfaces)";
     assert_same_picture(stage().material("grey", masked).sky(even), folder.path(), text);
@@ -590,17 +577,9 @@ fn parts_keep_to_the_limits_of_files() {
     let fall = |count: u32, species: Species| stage().fall("bad", Fall::new(count, species, hung()));
     let leaf = || Species::new("floor", [0.1; 2]);
     let sun = |sun: Sun| stage().light("bad", Light::Sun(sun));
-    let disc = |diameter_m: f64| {
-        let (position_m, target_m, power_w) = ([0.0, 1.0, 0.0].into(), [0.0; 3].into(), [1.0; 3].into());
-        stage().light(
-            "bad",
-            Light::Disc { parent: None, position_m, target_m, diameter_m: diameter_m.into(), power_w },
-        )
-    };
-    let sky = |radiance: f64| Sky::Constant {
-        radiance_w_per_m2_sr: [radiance; 3].into(),
-        lights: SkyLight::default(),
-    };
+    let disc =
+        |diameter_m: f64| stage().light("bad", Light::disc([0.0, 1.0, 0.0], [0.0; 3], diameter_m, [1.0; 3]));
+    let sky = |radiance: f64| Sky::constant([radiance; 3]);
     let material = |material: Material| stage().material("grey", material);
     let julia = Julia::new(0.0, 3.0).with(|julia| julia.iterations = 10.into());
     let missing = grey().with(|material| material.texture = Some("missing.png".into()));

@@ -43,6 +43,7 @@ impl<T: Keyable + Default> Default for Animated<T> {
 /// Keys of a value, as written in a file.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
+#[non_exhaustive]
 pub struct Keys<T: Keyable> {
     /// Keys with strictly increasing times.
     pub keys: Vec<Key<T>>,
@@ -52,19 +53,20 @@ pub struct Keys<T: Keyable> {
 }
 
 impl<T: Keyable> Keys<T> {
+    /// Keys of any interpolation, in order of time.
+    pub fn new(keys: impl IntoIterator<Item = Key<T>>, extend: Extend) -> Self {
+        Self { keys: keys.into_iter().collect(), extend }
+    }
+
     fn of<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>, extend: Extend) -> Self {
-        let key = |(at_s, value): (f64, V)| Key {
-            at_s: Number::new(at_s),
-            value: value.into(),
-            to_next: ToNext::Linear,
-        };
-        Self { keys: keys.into_iter().map(key).collect(), extend }
+        Self::new(keys.into_iter().map(|(at_s, value)| Key::new(at_s, value, ToNext::Linear)), extend)
     }
 }
 
 /// A value at a time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
+#[non_exhaustive]
 pub struct Key<T: Keyable> {
     /// Seconds.
     pub at_s: Number<Finite>,
@@ -73,6 +75,13 @@ pub struct Key<T: Keyable> {
     /// Interpolation to the next key.
     #[serde(default)]
     pub to_next: ToNext<T>,
+}
+
+impl<T: Keyable> Key<T> {
+    /// Value at a second, and the way to the next.
+    pub fn new(at_s: f64, value: impl Into<T>, to_next: ToNext<T>) -> Self {
+        Self { at_s: Number::new(at_s), value: value.into(), to_next }
+    }
 }
 
 /// Interpolation from one key to the next.
@@ -104,11 +113,19 @@ pub enum ToNext<T: Keyable> {
 /// A handle of a Bezier curve.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
+#[non_exhaustive]
 pub struct Handle<T: Keyable> {
     /// Seconds, between the two keys.
     pub at_s: Number<Finite>,
     /// The value there.
     pub value: T,
+}
+
+impl<T: Keyable> Handle<T> {
+    /// Value at a second.
+    pub fn new(at_s: f64, value: impl Into<T>) -> Self {
+        Self { at_s: Number::new(at_s), value: value.into() }
+    }
 }
 
 /// Extrapolation of a keyed value outside its keys.

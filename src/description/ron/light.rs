@@ -18,6 +18,7 @@ pub enum Light {
     /// Light from infinitely far away.
     Sun(Sun),
     /// Light from a point or sphere to all sides.
+    #[non_exhaustive]
     Point {
         /// Name of the object that the light follows.
         parent: Option<String>,
@@ -30,6 +31,7 @@ pub enum Light {
         radius_m: Animated<Number<NonNegative>>,
     },
     /// Light from a point or sphere into a cone.
+    #[non_exhaustive]
     Spot {
         /// Name of the object that the light follows.
         parent: Option<String>,
@@ -49,6 +51,7 @@ pub enum Light {
         radius_m: Animated<Number<NonNegative>>,
     },
     /// A flat rectangle that emits from one side.
+    #[non_exhaustive]
     Rectangle {
         /// Name of the object that the light follows.
         parent: Option<String>,
@@ -67,6 +70,7 @@ pub enum Light {
         power_w: Animated<Triple<NonNegative>>,
     },
     /// A flat disc that emits from one side.
+    #[non_exhaustive]
     Disc {
         /// Name of the object that the light follows.
         parent: Option<String>,
@@ -79,6 +83,73 @@ pub enum Light {
         /// Radiant power.
         power_w: Animated<Triple<NonNegative>>,
     },
+}
+
+impl Light {
+    /// Creates a lamp without extent, which lights all sides alike.
+    pub fn point(
+        position_m: impl Into<Animated<Point>>,
+        intensity_w_per_sr: impl Into<Animated<Triple<NonNegative>>>,
+    ) -> Self {
+        Self::Point {
+            parent: None,
+            position_m: position_m.into(),
+            intensity_w_per_sr: intensity_w_per_sr.into(),
+            radius_m: Animated::default(),
+        }
+    }
+
+    /// Creates a spot without extent, with a soft edge.
+    pub fn spot(
+        position_m: impl Into<Animated<Point>>,
+        target_m: impl Into<Animated<Point>>,
+        outer_deg: impl Into<Animated<Number<HalfAngle>>>,
+        intensity_w_per_sr: impl Into<Animated<Triple<NonNegative>>>,
+    ) -> Self {
+        Self::Spot {
+            parent: None,
+            position_m: position_m.into(),
+            target_m: target_m.into(),
+            outer_deg: outer_deg.into(),
+            blend: soft_edge(),
+            intensity_w_per_sr: intensity_w_per_sr.into(),
+            radius_m: Animated::default(),
+        }
+    }
+
+    /// Creates an upright rectangle, by its width and height.
+    pub fn rectangle(
+        position_m: impl Into<Animated<Point>>,
+        target_m: impl Into<Animated<Point>>,
+        [width_m, height_m]: [f64; 2],
+        power_w: impl Into<Animated<Triple<NonNegative>>>,
+    ) -> Self {
+        Self::Rectangle {
+            parent: None,
+            position_m: position_m.into(),
+            target_m: target_m.into(),
+            up: up(),
+            width_m: width_m.into(),
+            height_m: height_m.into(),
+            power_w: power_w.into(),
+        }
+    }
+
+    /// Creates a disc.
+    pub fn disc(
+        position_m: impl Into<Animated<Point>>,
+        target_m: impl Into<Animated<Point>>,
+        diameter_m: impl Into<Animated<Number<Positive>>>,
+        power_w: impl Into<Animated<Triple<NonNegative>>>,
+    ) -> Self {
+        Self::Disc {
+            parent: None,
+            position_m: position_m.into(),
+            target_m: target_m.into(),
+            diameter_m: diameter_m.into(),
+            power_w: power_w.into(),
+        }
+    }
 }
 
 /// Light from infinitely far away: parallel, or from a disc.

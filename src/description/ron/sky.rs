@@ -12,6 +12,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Sky {
     /// Uniform.
+    #[non_exhaustive]
     Constant {
         /// Radiance.
         radiance_w_per_m2_sr: Animated<Triple<NonNegative>>,
@@ -20,6 +21,7 @@ pub enum Sky {
         lights: SkyLight,
     },
     /// Gradient from the horizon up, and one colour below.
+    #[non_exhaustive]
     Gradient {
         /// Radiance at the zenith.
         zenith_w_per_m2_sr: Triple<NonNegative>,
@@ -36,6 +38,7 @@ pub enum Sky {
         lights: SkyLight,
     },
     /// An image of all directions.
+    #[non_exhaustive]
     Image {
         /// Radiance HDR or OpenEXR, longitude across and latitude down, relative to the scene file.
         image: PathBuf,
@@ -49,6 +52,37 @@ pub enum Sky {
         #[serde(default)]
         lights: SkyLight,
     },
+}
+
+impl Sky {
+    /// Creates a uniform sky.
+    pub fn constant(radiance_w_per_m2_sr: impl Into<Animated<Triple<NonNegative>>>) -> Self {
+        Self::Constant { radiance_w_per_m2_sr: radiance_w_per_m2_sr.into(), lights: SkyLight::default() }
+    }
+
+    /// Creates a gradient from the horizon up, black below.
+    pub fn gradient(
+        zenith_w_per_m2_sr: impl Into<Triple<NonNegative>>,
+        horizon_w_per_m2_sr: impl Into<Triple<NonNegative>>,
+    ) -> Self {
+        Self::Gradient {
+            zenith_w_per_m2_sr: zenith_w_per_m2_sr.into(),
+            horizon_w_per_m2_sr: horizon_w_per_m2_sr.into(),
+            ground_w_per_m2_sr: Triple::default(),
+            strength: one(),
+            lights: SkyLight::default(),
+        }
+    }
+
+    /// Creates an image of all directions, as radiant as it says.
+    pub fn image(image: impl Into<PathBuf>) -> Self {
+        Self::Image {
+            image: image.into(),
+            strength_w_per_m2_sr: one(),
+            rotation_deg: Animated::default(),
+            lights: SkyLight::default(),
+        }
+    }
 }
 
 /// Contents of a scene that a sky lights.
