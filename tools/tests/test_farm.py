@@ -30,7 +30,9 @@ SCENE = """Scene(
     lights: { "sun": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: (8.0, 7.2, 6.0)) },
     fog: { "haze": (min_m: (-4.0, -1.0, -4.0), max_m: (4.0, 3.0, 4.0), density_per_m: 0.15) },
 )"""
-SHOT = f'Sequence(version: 1, scene: "the scene.ron", frames: (1, {FRAMES}), frame_rate: 24, size: (48, 27), samples: 4)'
+# A frame takes long enough for a machine to be killed in the midst of a task, and no longer.
+SHOT = f"""Sequence(version: 1, scene: "the scene.ron", frames: (1, {FRAMES}), frame_rate: 24,
+    size: (96, 54), samples: 64, bounces: 0)"""
 
 
 @unittest.skipUnless(PROGRAM, NO_PROGRAM)
