@@ -115,10 +115,10 @@ class Frames(WithFolder):
 
     def test_a_sequence_comes_frame_by_frame_and_is_kept_where_it_is_wanted(self):
         out = self.folder / "kept"
-        numbers = [frame.number for frame in sunfleck.render_frames(FIRST_LEAF, range(3, 9, 2), size=SIZE, out=f"{out}/")]
+        numbers = [frame.number for frame in sunfleck.render_frames(FIRST_LEAF, range(3, 9, 2), size=SIZE, bounces=0, out=f"{out}/")]
         self.assertEqual(numbers, [3, 5, 7])
         self.assertEqual(sorted(path.name for path in out.iterdir()), [f"first_leaf.000{number}.exr" for number in numbers])
-        self.assertEqual([frame.number for frame in sunfleck.render_frames(FIRST_LEAF, "2,1", size=SIZE)], [2, 1])
+        self.assertEqual([frame.number for frame in sunfleck.render_frames(FIRST_LEAF, "2,1", size=SIZE, bounces=0)], [2, 1])
         self.assertEqual(list(self.temporary.iterdir()), [])
 
     def test_what_a_frame_has_not_is_said_with_a_remedy(self):
@@ -166,7 +166,7 @@ class Frames(WithFolder):
         before, found = os.fstat(1), {}
 
         def work(number: int) -> None:
-            found[number] = sunfleck.render(FIRST_LEAF, number, size=SIZE, samples=1, threads=1, progress=False).number
+            found[number] = sunfleck.render(FIRST_LEAF, number, size=SIZE, samples=1, bounces=0, threads=1, progress=False).number
 
         threads = [threading.Thread(target=work, args=(number,)) for number in range(1, 7)]
         for thread in threads:
@@ -181,7 +181,7 @@ class Frames(WithFolder):
 class Progress(WithFolder):
     def test_a_function_hears_every_event(self):
         heard: list[dict] = []
-        list(sunfleck.render_frames(FIRST_LEAF, "1-2", size=SIZE, progress=heard.append))
+        list(sunfleck.render_frames(FIRST_LEAF, "1-2", size=SIZE, bounces=0, progress=heard.append))
         kinds = [event["event"] for event in heard]
         self.assertEqual((kinds[0], kinds[-1], kinds.count("frame_written")), ("started", "finished", 2))
         self.assertIn("frame_progress", kinds)
