@@ -158,7 +158,7 @@ class Frames(WithFolder):
         scene.write_text(DARK)
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always")
-            sunfleck.render(scene, size=SIZE)
+            sunfleck.render(scene, size=SIZE, samples=1)
         self.assertEqual({warning.category for warning in heard}, {sunfleck.SunfleckWarning})
         self.assertRegex("\n".join(str(warning.message) for warning in heard), r"(?s)warning\[dark-frame\].*remedy: ")
 
