@@ -170,7 +170,9 @@ impl<'a> Surroundings<'a> {
         let of_chunk = move |chunk: usize| {
             let by_leaf: Vec<Vec<Surfel>> =
                 leaves.chunks(AT_ONCE).nth(chunk)?.par_iter().map(&surfels_of).collect();
-            Some(by_leaf.into_iter().flatten().collect())
+            let mut surfels = large_list(by_leaf.iter().map(Vec::len).sum());
+            surfels.extend(by_leaf.into_iter().flatten());
+            Some(surfels)
         };
         Surfels::new(count, optics, Box::new(of_chunk))
     }
