@@ -224,7 +224,9 @@ impl Scene {
 
     /// Drops keys of baked falls that no time in a span needs. Nothing else changes.
     pub fn keep_span(&mut self, span_s: (f64, f64)) {
-        self.nodes.iter_mut().for_each(|node| node.motion.keep_span(span_s));
+        let before = self.nodes.iter_mut().filter_map(|node| node.motion.keep_span(span_s));
+        // Freed together: a block freed alone would have the next curve's small blocks, and leave a hole.
+        drop(before.collect::<Vec<_>>());
     }
 
     /// Vertices of an instance at the time of `placements`, and the transform of their space.

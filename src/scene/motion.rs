@@ -60,12 +60,15 @@ impl Motion {
 }
 
 impl Motion {
-    /// Drops keys that no time in a span needs, see [`Track::keep_span`].
-    pub(super) fn keep_span(&mut self, span_s: (f64, f64)) {
-        if let Self::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } = self {
-            translation.keep_span(span_s);
-            rotation.keep_span(span_s);
-        }
+    /// Drops keys that no time in a span needs, see [`Track::keep_span`]. Returns the curves with all keys.
+    pub(super) fn keep_span(
+        &mut self,
+        span_s: (f64, f64),
+    ) -> Option<(Option<Track<DVec3>>, Option<Track<DQuat>>)> {
+        let Self::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } = self else {
+            return None;
+        };
+        Some((translation.keep_span(span_s), rotation.keep_span(span_s)))
     }
 }
 

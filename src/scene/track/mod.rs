@@ -145,16 +145,14 @@ impl<T: Animate> Track<T> {
     }
 
     /// Drops keys of a compact curve that no time in a span needs: its values there keep their bits, and it
-    /// stays constant or not.
-    pub(in crate::inside::scene) fn keep_span(&mut self, (from_s, to_s): (f64, f64)) {
-        let Course::Smooth(compact) = &self.0 else { return };
+    /// stays constant or not. Returns the curve with all keys, if it had more.
+    pub(in crate::inside::scene) fn keep_span(&mut self, (from_s, to_s): (f64, f64)) -> Option<Self> {
+        let Course::Smooth(compact) = &self.0 else { return None };
         let first = self.keys_until(from_s as f32).saturating_sub(1);
         // Single precision may choose the key before or after.
         let kept = first.saturating_sub(1)..(self.keys_until(to_s as f32) + 2).min(self.len());
         let kept = Self(Course::Smooth(Box::new(compact.part(kept))));
-        if kept.is_constant() == self.is_constant() {
-            *self = kept;
-        }
+        (kept.is_constant() == self.is_constant()).then(|| std::mem::replace(self, kept))
     }
 
     /// Appends a compact curve's bytes; `None` for any other track.
