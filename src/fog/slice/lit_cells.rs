@@ -138,7 +138,9 @@ fn look_at<const N: usize>(
         // Rounding must not stop the loop.
         let end = if end > start { end } else { range.end };
         let piece = Piece::new(start, end);
-        each(&piece, &piece.lit_moments(start, end, shadows, sign));
+        if let Some(moments) = piece.lit_moments(start, end, shadows, sign) {
+            each(&piece, &moments);
+        }
         start = end;
     }
 }
@@ -165,17 +167,20 @@ impl Piece {
         self.moments(&powers, 1.0)
     }
 
-    /// Moments of the range between two reaches outside `shadows`, times `sign`.
+    /// Moments of the range between two reaches outside `shadows`, times `sign`; `None` if nothing is left.
     fn lit_moments<const N: usize>(
         &self,
         start: f64,
         end: f64,
         shadows: &IntervalSet,
         sign: f64,
-    ) -> [f64; N] {
-        let mut sums = [0.0; N];
-        shadows.for_each_gap(start, end, |start, end| self.add_powers(start, end, &mut sums));
-        self.moments(&sums, sign)
+    ) -> Option<[f64; N]> {
+        let (mut sums, mut is_dark) = ([0.0; N], true);
+        shadows.for_each_gap(start, end, |start, end| {
+            self.add_powers(start, end, &mut sums);
+            is_dark = false;
+        });
+        (!is_dark).then(|| self.moments(&sums, sign))
     }
 
     /// Adds the powers of `x` at the end and subtracts those at the start.

@@ -70,9 +70,6 @@ impl SliceRay<'_> {
         if let Some((_, facet)) = self.meeting {
             // They come while shadows and fog are found.
             facet.prefetch_texels(ray, distance);
-            if let Some(indirect) = path.indirect() {
-                indirect.prefetch(snapshot, facet.primitive);
-            }
         }
         let end = distance * planar.direction.x;
         let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
@@ -100,7 +97,7 @@ impl SliceRay<'_> {
             None if self.meeting.is_some() => Shown::default(),
             None => Shown::emitted(path.light.background(snapshot, ray.direction, Start::Camera)),
             Some(point) => {
-                let to_light = fog.transmittance_to_light(&planar, end);
+                let to_light = is_lit.then(|| fog.transmittance_to_light(&planar, end)).flatten();
                 self.reflected(&mut path, point, is_lit, to_light)
             }
         };

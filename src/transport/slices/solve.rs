@@ -185,6 +185,10 @@ impl<'a> Rays<'a> {
             && self.met.is_none_or(|met| met.primitive != primitive)
         {
             self.met = Some(job.snapshot.facet(primitive));
+            // It comes while shadows and fog are found.
+            if let Some(indirect) = job.transport.indirect.filter(|_| job.has_rest) {
+                indirect.prefetch(job.snapshot, primitive);
+            }
         }
         let ((x, y), (seed, number)) = (piece.chord.pixel, piece.chord.random);
         let ray = SliceRay {

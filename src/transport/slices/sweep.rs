@@ -226,16 +226,17 @@ impl Sweep {
     }
 
     /// Shadows on the current ray, as names of the light's rays: of passed segments, and of those that it
-    /// meets. `end` is the name at the ray's end, if it hits anything. It is more precise than the segment,
-    /// whose own shadow must not end before it.
+    /// meets, but for those beyond its end. `end` is the name there, if it hits anything. It is more precise
+    /// than the segment, whose own shadow must not end before it.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
             let segment = self.active.segment(self.crossings[index].segment);
             self.crossings[index].shadow = self.shadow_on(segment, name);
         }
         self.own_union.clear();
-        for crossing in &self.crossings {
-            let (start, end) = crossing.shadow;
+        // Names grow along a ray. In a crown most of the segments that it meets lie behind the first.
+        let shadows = self.crossings.iter().map(|crossing| crossing.shadow);
+        for (start, end) in shadows.filter(|(start, _)| end.is_none_or(|end| *start < end)) {
             self.own_union.insert(start, end);
         }
         (&self.shadows, &self.own_union)
