@@ -152,16 +152,16 @@ pub(super) fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
             }
         }
         let count = sums.len().div_ceil(PARTS).max(FEWEST_NODES);
-        sums.par_chunks_mut(count).enumerate().for_each(|(part, sums)| {
-            for surfel in &placed {
-                for (node, weight) in surfel.corners.seen() {
-                    if let Some(sums) =
-                        number_of[node].checked_sub(part * count).and_then(|n| sums.get_mut(n))
-                    {
-                        sums.add(&surfel.terms, (weight * surfel.area_m2 / volume_m3) as f32);
-                    }
-                }
+        // By part: the number of a node in it, with the terms and the density to add there.
+        let mut shares: Vec<Vec<(usize, &SurfelTerms, f32)>> = vec![Vec::new(); sums.len().div_ceil(count)];
+        for Placed { terms, corners, area_m2 } in &placed {
+            for (node, weight) in corners.seen() {
+                let number = number_of[node];
+                shares[number / count].push((number % count, terms, (weight * area_m2 / volume_m3) as f32));
             }
+        }
+        sums.par_chunks_mut(count).zip(shares).for_each(|(sums, shares)| {
+            shares.into_iter().for_each(|(number, terms, density)| sums[number].add(terms, density));
         });
     });
     sums

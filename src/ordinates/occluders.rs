@@ -252,12 +252,16 @@ impl CellTriangle {
         let across = way.cross(ac);
         let determinant = ab.dot(across);
         let start = from - self.corner;
-        let along = start.cross(ab);
         // Scaled by the determinant, to avoid division.
         let sign = 1.0_f32.copysign(determinant);
-        let (size, u, v) = (determinant.abs(), sign * start.dot(across), sign * way.dot(along));
-        let t = sign * ac.dot(along);
+        let (size, u) = (determinant.abs(), sign * start.dot(across));
         let slack = SLACK * size;
-        size > 0.0 && u >= -slack && v >= -slack && u + v <= size + slack && t >= 0.0 && t < size
+        // Most triangles are missed here already.
+        if !(-slack..=size + 3.0 * slack).contains(&u) || size == 0.0 {
+            return false;
+        }
+        let along = start.cross(ab);
+        let (v, t) = (sign * way.dot(along), sign * ac.dot(along));
+        v >= -slack && u + v <= size + slack && t >= 0.0 && t < size
     }
 }
