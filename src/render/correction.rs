@@ -124,7 +124,8 @@ impl Correction {
     /// light are added to all sums that include the part.
     pub(super) fn apply(&self, sample: &mut Sample, film_px: DVec2) {
         let place = film_px / DVec2::new(self.size.width as f64, self.size.height as f64);
-        let [of_surfaces, of_fog] = self.shares.each_ref().map(|shares| shares.at(place));
+        let between = self.shares[0].shape.about(place);
+        let [of_surfaces, of_fog] = self.shares.each_ref().map(|shares| shares.between(&between));
         let (on_surfaces, in_fog) = (of_surfaces * sample.indirect, of_fog * sample.indirect_shafts);
         sample.radiance += on_surfaces + in_fog;
         sample.indirect += on_surfaces;

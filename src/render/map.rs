@@ -42,6 +42,26 @@ impl Shape {
         let index = |at: f64, count: usize| ((at * count as f64) as usize).min(count - 1);
         index(place.x, self.columns) + self.columns * index(place.y, self.rows)
     }
+
+    /// The four cells whose middles lie about a place of the picture.
+    pub(super) fn about(self, place: DVec2) -> Between {
+        let between = |at: f64, count: usize| {
+            let at = (at * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+            let low = (at as usize).min(count - 2);
+            (low, at - low as f64)
+        };
+        let ((column, across), (row, down)) = (between(place.x, self.columns), between(place.y, self.rows));
+        Between { first: column + self.columns * row, across, down }
+    }
+}
+
+/// A place between the middles of four cells.
+pub(super) struct Between {
+    /// Number of the cell above it to the left.
+    first: usize,
+    /// Distances from the middle of that cell, in cells.
+    across: f64,
+    down: f64,
 }
 
 /// Distance beyond which a Gaussian counts as 0, in its standard deviations.
@@ -103,20 +123,10 @@ impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Map<T> {
         self.like(|cell| sums.of(cell) * (1.0 / cells.of(cell)))
     }
 
-    /// Value at a place of the picture, interpolated between the middles of cells.
-    pub(super) fn at(&self, place: DVec2) -> T {
-        let between = |at: f64, count: usize| {
-            let at = (at * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
-            let low = (at as usize).min(count - 2);
-            (low, at - low as f64)
-        };
-        let Shape { columns, rows } = self.shape;
-        let ((column, across), (row, down)) = (between(place.x, columns), between(place.y, rows));
-        let of_row = |row: usize| {
-            let first = column + columns * row;
-            self.values[first] * (1.0 - across) + self.values[first + 1] * across
-        };
-        of_row(row) * (1.0 - down) + of_row(row + 1) * down
+    /// Value between the middles of four cells.
+    pub(super) fn between(&self, &Between { first, across, down }: &Between) -> T {
+        let of_row = |first: usize| self.values[first] * (1.0 - across) + self.values[first + 1] * across;
+        of_row(first) * (1.0 - down) + of_row(first + self.shape.columns) * down
     }
 }
 
