@@ -10,7 +10,7 @@ use super::surface_optics::optics_of;
 use super::turbid_medium::TurbidMedium;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::fog::{exp_minus, exp_minus_little};
+use crate::fog::{exp_minus, exp_minus_with_mean};
 use crate::math::Ray;
 use crate::ordinates::first_collision_source::BeamSource;
 use crate::ordinates::grid::CellInterval;
@@ -272,13 +272,14 @@ impl FirstCollisions<'_> {
         let mut left = [0, 1]
             .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
-        // Up to the middle of each interval by the fog at nodes, the only fog that the grid has.
         for CellInterval { node, from, to } in self.cut.grid.intervals(&in_world, start, end) {
             let (length, middle) = (to - from, 0.5 * (from + to));
+            // The mean over the fog of the interval, so what collides is what is missing behind it.
             let here = [0, 1].map(|which| {
-                let through = exp_minus_little(0.5 * length * media[which].extinction_at(ray.at(middle)));
-                let here = left[which] * through;
-                left[which] = here * through;
+                let depth = media[which].optical_depth_between(ray, from, to);
+                let (through, mean) = exp_minus_with_mean(depth);
+                let here = left[which] * mean;
+                left[which] *= through;
                 here
             });
             let length = length * shape.share_in_fog(ray.at(middle));

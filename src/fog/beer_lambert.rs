@@ -15,15 +15,16 @@ pub fn exp_minus(tau: Rgb) -> Rgb {
     Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
 }
 
-/// `exp(-x)`; for small x by Padé's approximation, within 2e-6.
+/// `exp(-x)` and its mean over `0..x`; for small x by Padé's approximation, within 2e-6.
 #[inline]
-pub fn exp_minus_little(x: Rgb) -> Rgb {
+pub fn exp_minus_with_mean(x: Rgb) -> (Rgb, Rgb) {
     const LITTLE: f64 = 0.25;
     if x.max_element() > LITTLE {
-        return exp_minus(x);
+        return (exp_minus(x), mean_transmittance_between(Rgb::ZERO, x));
     }
     let even = Rgb::ONE + x * x / 12.0;
-    (even - 0.5 * x) / (even + 0.5 * x)
+    let below = even + 0.5 * x;
+    ((even - 0.5 * x) / below, Rgb::ONE / below)
 }
 
 /// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
@@ -49,11 +50,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn little_depths_have_their_exponential() {
+    fn little_depths_have_their_exponential_and_its_mean() {
         for step in 0..=400 {
             let x = Rgb::new(0.001, 0.0005, 0.002) * f64::from(step);
             let exact = Rgb::from_array(x.to_array().map(|x| (-x).exp()));
-            assert!((exp_minus_little(x) - exact).abs().max_element() < 2e-6, "{x}");
+            let (found, mean) = exp_minus_with_mean(x);
+            assert!((found - exact).abs().max_element() < 2e-6, "{x}");
+            let exact_mean = Rgb::from_array(x.to_array().map(mean_transmittance));
+            assert!((mean - exact_mean).abs().max_element() < 1e-5, "{x}");
         }
     }
 }

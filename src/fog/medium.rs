@@ -88,6 +88,15 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.rough_length(ray, t_max)).sum()
     }
 
+    /// Optical depth between two places on a ray that are near each other: voxels have the density between.
+    pub fn optical_depth_between(&self, ray: &Ray, start: f64, end: f64) -> Rgb {
+        let metres = |fog: &FogBank| match fog.voxels() {
+            Some(_) => (end - start) * fog.density(ray.at(0.5 * (start + end))),
+            None => fog.length_between_places(ray, start, end),
+        };
+        self.banks.iter().map(|fog| fog.sigma_t * metres(fog)).sum()
+    }
+
     /// Approximate optical depth of a ray up to the sky, for one of many random directions.
     pub fn optical_depth_to_sky(&self, ray: &Ray) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.length_to_sky(ray)).sum()

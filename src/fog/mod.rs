@@ -27,7 +27,7 @@ mod voxel_fog;
 mod voxel_interval;
 
 pub use bank::FogBank;
-pub use beer_lambert::{exp_minus, exp_minus_little};
+pub use beer_lambert::{exp_minus, exp_minus_with_mean};
 pub use emitter::Emitter;
 pub use events::{Loss, Losses};
 pub use falloff::Falloff;

@@ -556,6 +556,16 @@ fn leaves_in_wide_fog() -> Scene {
     scene
 }
 
+/// Fog in a box that ends within cells, each of a third of an optical depth, under a sun alone.
+fn deep_fog() -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    let (low, high) = (DVec3::new(-3.0, -2.0, -8.0), DVec3::new(3.0, 1.5, -2.0));
+    add_fog(&mut scene, low, high, Rgb::splat(2.0), Rgb::splat(0.96), 0.5);
+    let sunbeam = DVec3::new(-0.4, -0.8, 0.45).normalize();
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sunbeam, Rgb::splat(3.0));
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -602,6 +612,7 @@ fn the_grid_has_the_same_light() {
         ("court in mist", court_in_mist(), 16, 0.04),
         ("wall in mist", wall_in_mist(), 16, 0.04),
         ("leaves in wide fog", leaves_in_wide_fog(), 16, 0.03),
+        ("deep fog", deep_fog(), 16, 0.015),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),
