@@ -38,6 +38,10 @@ use std::mem::take;
 /// Distance from a surface, in cells, at which light is gathered.
 const AWAY: f64 = 0.25;
 
+/// Optical depth of a grid that is deep along some of its sides. If along these alone, fog that scatters
+/// forward has fine ordinates for the first order: those of all orders have too few along these sides.
+const DEEP: f64 = 4.0;
+
 /// Light of all orders on one grid.
 pub(super) struct Level {
     pub(super) grid: Grid,
@@ -95,6 +99,13 @@ fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> 
     rim_places(inner).into_par_iter().map(seen_from).collect()
 }
 
+/// Whether the densest fog is deep along some sides of a grid and not along others.
+fn is_flat(grid: &Grid, snapshot: &Snapshot) -> bool {
+    let (low, high) = grid.volume();
+    let depths = (high - low) * snapshot.medium.most_extinction_per_m();
+    depths.max_element() > DEEP && depths.min_element() < DEEP
+}
+
 impl Level {
     /// Solves a level with its incident radiance, and with the next finer grid within it.
     pub(super) fn new(
@@ -107,12 +118,14 @@ impl Level {
         let contents = Contents::new(&grid, context);
         let walls = &contents.walls.walls;
         let next_to_inner = inner.map(|inner| seen_about(inner, &grid, walls, snapshot));
-        let needs_fine = walls.are_at_angles() || surrounding.is_fine();
+        let sees_high = scatters_ahead(&snapshot.medium);
+        let is_flat = sees_high && is_flat(&grid, snapshot);
+        let needs_fine = walls.are_at_angles() || surrounding.is_fine() || is_flat;
         let (quadrature, fine) = (Quadrature::new(), needs_fine.then(Quadrature::fine));
         let self_interaction = SelfInteraction::new(&grid, &quadrature, bounces);
         let along = fine.as_ref().unwrap_or(&quadrature);
         let first = contents.first_light(context, along, &self_interaction);
-        let (sky, sees_high) = (sky_of(snapshot.sky), scatters_ahead(&snapshot.medium));
+        let sky = sky_of(snapshot.sky);
         let problem = Problem {
             domain: contents.domain(),
             quadrature: &quadrature,
