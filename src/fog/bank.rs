@@ -26,7 +26,7 @@ pub(super) const OPAQUE: f64 = 60.0;
 
 /// Density of fog relative to its maximum. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
-enum Density {
+pub(super) enum Density {
     /// Uniform.
     Even,
     /// Decreasing with height.
@@ -40,8 +40,8 @@ enum Density {
 pub struct FogBank {
     /// Map into the cube of the box. For unbounded fog it maps everything to the centre of the cube, so no
     /// line leaves the cube.
-    cube_from_relative: DAffine3,
-    density: Density,
+    pub(super) cube_from_relative: DAffine3,
+    pub(super) density: Density,
     /// Extinction at maximum density, 1/m.
     pub sigma_t: Rgb,
     /// Scattering coefficient at maximum density, 1/m.
@@ -119,9 +119,9 @@ impl FogBank {
         Self { sigma_t: self.sigma_t - self.forward_peak(degree) * self.sigma_s, ..self.clone() }
     }
 
-    /// Whether it has bounds.
+    /// Whether it has bounds at its sides.
     pub(super) fn is_bounded(&self) -> bool {
-        self.cube_from_relative.matrix3 != DMat3::ZERO
+        self.cube_from_relative.matrix3.x_axis != DVec3::ZERO
     }
 
     /// Its bounds in relative space; `None` if it has none.
@@ -133,14 +133,6 @@ impl FogBank {
             let reach = DVec3::new(reach(0), reach(1), reach(2));
             (relative_from_cube.translation - reach, relative_from_cube.translation + reach)
         })
-    }
-
-    /// Direction in which unbounded fog thins out, a unit vector, and its scale height, metres.
-    pub fn layer(&self) -> Option<(DVec3, f64)> {
-        match &self.density {
-            Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
-            Density::Even | Density::Thinning(_) | Density::Voxels(_) => None,
-        }
     }
 
     /// Whether its density is uniform.

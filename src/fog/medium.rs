@@ -34,6 +34,11 @@ impl Medium {
         &self.banks
     }
 
+    /// Whether some fog has no bounds.
+    pub fn is_unbounded(&self) -> bool {
+        self.banks.iter().any(|bank| !bank.is_bounded())
+    }
+
     /// Whether there is no fog and no emission.
     pub fn is_empty(&self) -> bool {
         self.banks.is_empty() && self.emitters.is_empty()
@@ -189,9 +194,16 @@ impl Medium {
         Self::new(self.banks.iter().map(|bank| bank.without_peak(degree)).collect())
     }
 
-    /// Unbounded banks alone.
-    pub fn without_bounds(&self) -> Self {
-        Self::new(self.banks.iter().filter(|bank| !bank.is_bounded()).cloned().collect())
+    /// Fog that differs with height alone, and all other fog. The former are unbounded banks, or slabs where
+    /// there are none; `things` has the bounds of all that is not lost.
+    pub fn layers_and_rest(&self, things: &dyn Fn() -> Option<(DVec3, DVec3)>) -> (Self, Self) {
+        let layer = |bank: &FogBank| match self.is_unbounded() {
+            true => (!bank.is_bounded()).then(|| bank.clone()),
+            false => bank.without_sides(things),
+        };
+        let rest = self.banks.iter().filter(|bank| layer(bank).is_none()).cloned().collect();
+        let layers = Self::new(self.banks.iter().filter_map(layer).collect());
+        (layers, Self::new(rest).with_emitters(self.emitters.clone()))
     }
 
     /// Each bank by itself.

@@ -13,6 +13,7 @@ mod emitter;
 mod events;
 mod falloff;
 mod foggy_ray;
+mod layer;
 mod lit_segments;
 mod medium;
 mod near_light;

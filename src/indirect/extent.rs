@@ -20,9 +20,9 @@ const FAR_NODES: f64 = 8_000.0;
 /// number squared.
 const OUTER_CELLS: f64 = 64.0;
 /// Minimum size of a cell, in leaf widths: in smaller cells moving leaves would jump from cell to cell.
-const LEAVES_PER_CELL: f64 = 2.0;
+pub(super) const LEAVES_PER_CELL: f64 = 2.0;
 /// Minimum number of leaves that enlarge cells of fog: fewer are walls where cells are small beside them.
-const FEW_LEAVES: usize = 16;
+pub(super) const FEW_LEAVES: usize = 16;
 /// Ratio of cell sizes from which fog around leaves has a grid of its own.
 const COARSEST: f64 = 8.0;
 /// Minimum number of cells along the longest side, however large leaves are.
@@ -78,7 +78,7 @@ pub(super) fn levels(
 ) -> Vec<Grid> {
     let things = surroundings.boxes(f64::INFINITY);
     let all = core_bounds(things, Strays::Lost);
-    let fogs = bounded_fogs(snapshot);
+    let fogs = bounded_fogs(snapshot, layers);
     let fog = core_bounds(fogs.clone(), Strays::Sparse);
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
     let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
@@ -113,7 +113,9 @@ pub(super) fn levels(
         // Larger cells beyond do not resolve where dense fog ends.
         Some(if fog.is_some() { grid.widened() } else { grid })
     };
-    let is_shade_alone = layers.is_some() && diagonal(things) <= LARGER * diagonal(inner);
+    // Slabs have cells as fine as other bounded fog.
+    let is_shade_alone =
+        layers.is_some() && snapshot.medium.is_unbounded() && diagonal(things) <= LARGER * diagonal(inner);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
@@ -187,14 +189,16 @@ fn side((low, high): Bounds) -> DVec3 {
     (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()))
 }
 
-fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
+/// Bounds of fog, without those of layers.
+fn bounded_fogs(snapshot: &Snapshot, layers: Option<&Layers>) -> Vec<Weighed> {
+    let fog = layers.map_or(&snapshot.medium, |layers| &layers.other_fog);
     let eye = snapshot.view.eye;
     let weighed = |(low, high): (DVec3, DVec3)| {
         let size = high - low;
         let area_m2 = size.element_product() / size.min_element().max(f64::MIN_POSITIVE);
         Weighed { bounds: (low + eye, high + eye), area_m2 }
     };
-    snapshot.medium.all_bounds().map(weighed).collect()
+    fog.all_bounds().map(weighed).collect()
 }
 
 /// Bounded fog around lamps and emissive surfaces, as far as their light varies much. Fog of voxels is left
@@ -253,7 +257,7 @@ fn is_near(fog: Bounds, inner: Bounds) -> bool {
 
 /// Bounds of everything: objects, and unbounded fog as far as it counts for the innermost grid.
 fn world(snapshot: &Snapshot, inner: Bounds, known: Bounds) -> Bounds {
-    if snapshot.medium.banks().iter().all(|bank| bank.bounds().is_some()) {
+    if !snapshot.medium.is_unbounded() {
         return known;
     }
     let middle = 0.5 * (inner.0 + inner.1);

@@ -1,6 +1,6 @@
-//! Layers around all grids: unbounded fog over plain ground. In go a snapshot and its ground, out comes light
-//! by height alone. Invariant: regions far from all objects cost hardly any time, however thin the layers
-//! are, and a grid gets its incident radiance from them.
+//! Layers around all grids: unbounded fog, or a wide slab, over plain ground. In go a snapshot, its fog and
+//! its ground, out comes light by height alone. Invariant: regions far from all objects cost hardly any time,
+//! however thin the layers are, and a grid gets its incident radiance from them.
 //!
 //! The spherical harmonics discrete ordinate method treats open boundaries in the same way (Evans 1998, "The
 //! spherical harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer",
@@ -15,6 +15,7 @@ use super::towards::Towards;
 use crate::canopy::clumps::Clump;
 use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
+use crate::fog::Medium;
 use crate::math::{bounds, corners};
 use crate::ordinates::angular_radiance::AngularRadiance;
 use crate::ordinates::boundary::{IncidentRadiance, Surrounding, rim_places};
@@ -34,6 +35,8 @@ pub(super) struct Layers {
     /// Whether the ground emits, so that its emission is part of their light.
     pub(super) ground_emits: bool,
     pub(super) heights: Heights,
+    /// Fog that is not theirs.
+    pub(super) other_fog: Medium,
     light: PlaneParallel,
     levels: Vec<LevelLight>,
     /// Forward peak of each sun at each level.
@@ -114,9 +117,14 @@ impl RimLevels {
 }
 
 impl Layers {
-    /// Layers of a snapshot; `None` if it has no unbounded fog, or no plain ground below.
-    pub(super) fn new(snapshot: &Snapshot, ground: Option<&Ground>, bounces: Bounces) -> Option<Self> {
-        let heights = Heights::of(snapshot, ground)?;
+    /// Layers of fog over a ground in a snapshot with other fog; `None` if they have no common direction.
+    pub(super) fn new(
+        snapshot: &Snapshot,
+        (fog, other_fog): (Medium, Medium),
+        ground: Option<&Ground>,
+        bounces: Bounces,
+    ) -> Option<Self> {
+        let heights = Heights::of(fog, snapshot.view.eye, ground)?;
         let Filled { stack, beams, peaks } = heights.filled(snapshot, bounces);
         let sky = snapshot.sky.filter(FrozenSky::lights_surfaces);
         let world_from_layers = heights.layers_from_world.inverse();
@@ -146,7 +154,7 @@ impl Layers {
         };
         let levels = (0..stack.levels.len()).map(seen).collect();
         let ground_emits = boundaries.emission != Rgb::ZERO;
-        Some(Self { ground_emits, heights, light, levels, peaks })
+        Some(Self { ground_emits, heights, other_fog, light, levels, peaks })
     }
 
     /// Incident radiance on a grid within.

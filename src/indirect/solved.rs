@@ -2,12 +2,13 @@
 //! leaves gather from it. Invariant: it does not depend on the camera.
 
 use super::contents::Context;
-use super::extent::levels;
+use super::extent::{FEW_LEAVES, LEAVES_PER_CELL, levels};
 use super::field::Field;
 use super::ground::Beneath;
 use super::layers::Layers;
 use super::leaf_light::LeafLight;
 use super::sky::has_sky;
+use crate::canopy::core_bounds::{Strays, core_bounds};
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::surroundings::Surroundings;
 use crate::scene::Bounces;
@@ -70,13 +71,34 @@ impl Solved {
     }
 }
 
-/// Layers around all grids, if there is unbounded fog and no hills lie below it.
+/// Layers around all grids, if fog differs with height alone and no hills lie below it. Slabs need a plain.
 fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
-    let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
+    let eye = snapshot.view.eye;
+    let things = || {
+        let (low, high) = core_bounds(surroundings.boxes(f64::INFINITY), Strays::Lost)?;
+        Some((low - eye, high - eye))
+    };
+    let (fog, other_fog) = snapshot.medium.layers_and_rest(&things);
+    let (up, scale_m) = fog.banks().iter().find_map(|bank| bank.layer())?;
+    let is_slab = !snapshot.medium.is_unbounded();
+    if is_slab && !is_resolved(surroundings, (scale_m, fog.most_extinction_per_m())) {
+        return None;
+    }
     let ground = match Beneath::of(surroundings, up, scale_m) {
+        Beneath::Nothing if is_slab => return None,
         Beneath::Hills => return None,
         Beneath::Nothing => None,
         Beneath::Plain(ground) => Some(ground),
     };
-    Layers::new(snapshot, ground.as_ref(), bounces)
+    Layers::new(snapshot, (fog, other_fog), ground.as_ref(), bounces)
+}
+
+/// Whether cells for leaves are thin or clear beside a slab of fog, of a height and an extinction: within
+/// others, detail of layers is too bright.
+fn is_resolved(surroundings: &Surroundings, (height_m, extinction_per_m): (f64, f64)) -> bool {
+    /// Maximum height of a cell, as a share of the slab's; or its maximum optical depth.
+    const THIN: f64 = 0.25;
+    const CLEAR: f64 = 0.2;
+    let cell_m = LEAVES_PER_CELL * surroundings.leaf_width_m(height_m, FEW_LEAVES);
+    cell_m < THIN * height_m || cell_m * extinction_per_m < CLEAR
 }

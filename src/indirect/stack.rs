@@ -20,6 +20,8 @@ const HALVINGS: usize = 6;
 const DEEPEST: f64 = 6.0;
 /// Height above the ground at which no fog is left, in scale heights.
 const HIGHEST: f64 = 2e3;
+/// Height above a level at which it has its fog, in scale heights: a slab ends on the ground.
+const WITHIN: f64 = 1e-6;
 /// Maximum deviation between directions in which banks thin out together.
 const SAME: f64 = 1e-9;
 
@@ -35,6 +37,8 @@ pub(super) struct Heights {
     heights_m: Vec<f64>,
     /// Scale height of the bank that changes fastest, metres.
     pub(super) scale_m: f64,
+    /// Fog of the layers.
+    medium: Medium,
 }
 
 /// Layers in the form of the solver.
@@ -54,18 +58,15 @@ pub(super) struct Between {
 }
 
 impl Heights {
-    /// Heights of a snapshot's levels; `None` unless it has unbounded fog that thins out in one direction.
-    pub(super) fn of(snapshot: &Snapshot, ground: Option<&Ground>) -> Option<Self> {
-        let layers: Vec<(DVec3, f64)> =
-            snapshot.medium.banks().iter().filter_map(|bank| bank.layer()).collect();
+    /// Heights of levels in fog, relative to an eye; `None` unless it thins out in one direction.
+    pub(super) fn of(medium: Medium, eye: DVec3, ground: Option<&Ground>) -> Option<Self> {
+        let layers: Vec<(DVec3, f64)> = medium.banks().iter().filter_map(|bank| bank.layer()).collect();
         let &(up, _) = layers.first()?;
         if layers.iter().any(|(other, _)| other.dot(up) < 1.0 - SAME) {
             return None;
         }
         let scale_m = layers.iter().map(|(_, scale_m)| *scale_m).fold(f64::INFINITY, f64::min);
         let widest_m = layers.iter().map(|(_, scale_m)| *scale_m).fold(0.0, f64::max);
-        let medium = snapshot.medium.without_bounds();
-        let eye = snapshot.view.eye;
         let depth_above = |height_m: f64| {
             let point = (height_m - eye.dot(up)) * up;
             medium.optical_depth(point, up, f64::INFINITY).max_element()
@@ -83,8 +84,10 @@ impl Heights {
         let top = (0..HALVINGS).rev().map(|halving| of_layer * 0.5_f64.powi(halving as i32 + 1));
         let depths = top.chain((1..LAYERS).map(|layer| layer as f64 * of_layer));
         let heights_m: Vec<f64> = depths.map(at_depth).chain([lowest_m]).collect();
-        let extinction_at =
-            |height_m: &f64| medium.extinction_at((height_m - eye.dot(up)) * up).element_sum();
+        let extinction_at = |height_m: &f64| {
+            let point = (height_m - eye.dot(up) + WITHIN * scale_m) * up;
+            medium.extinction_at(point).element_sum()
+        };
         let extinctions_per_m = heights_m.iter().map(extinction_at).collect();
         let layers_from_world = DQuat::from_rotation_arc(up, DVec3::Y);
         Some(Self {
@@ -94,6 +97,7 @@ impl Heights {
             extinctions_per_m,
             heights_m,
             scale_m,
+            medium,
         })
     }
 
@@ -130,7 +134,7 @@ impl Heights {
     pub(super) fn reflectance_beneath(&self, snapshot: &Snapshot) -> Rgb {
         let lowest_m = self.heights_m.last().copied().unwrap_or_default();
         let point = (lowest_m - snapshot.view.eye.dot(self.up)) * self.up;
-        let (extinction, [all, forwards]) = snapshot.medium.without_bounds().coefficients_at::<2>(point);
+        let (extinction, [all, forwards]) = self.medium.coefficients_at::<2>(point);
         let (all, forwards) = (per(all, extinction), per(forwards, extinction));
         let of_channel = |channel: usize| {
             let left = (1.0 - all[channel]).max(0.0);
@@ -142,7 +146,7 @@ impl Heights {
 
     /// Layers with fog, and the suns that shine through it.
     pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> Filled {
-        let medium = snapshot.medium.without_bounds();
+        let medium = &self.medium;
         let is_delta_scaled = bounces == Bounces::All;
         let without =
             |degree: i32| if is_delta_scaled { medium.without_peaks(degree) } else { medium.clone() };
@@ -151,8 +155,9 @@ impl Heights {
         let points: Vec<DVec3> =
             self.heights_m.iter().map(|height_m| (height_m - eye.dot(self.up)) * self.up).collect();
         let level = |(number, &point): (usize, &DVec3)| {
-            let extinction = swept.extinction_at(point);
-            let albedo = |bank: &Medium| per(bank.coefficients_at::<1>(point).1[0], extinction);
+            let within = point + WITHIN * self.scale_m * self.up;
+            let extinction = swept.extinction_at(within);
+            let albedo = |bank: &Medium| per(bank.coefficients_at::<1>(within).1[0], extinction);
             let beneath = self.heights_m.get(number + 1).map_or(0.0, |next| self.heights_m[number] - next);
             Level {
                 albedos: medium.each().map(|bank| albedo(&bank)).collect(),
@@ -174,7 +179,7 @@ impl Heights {
                 };
                 points.iter().map(dimmed).collect()
             };
-            let (all, straight) = (arriving(&of_suns), arriving(&medium));
+            let (all, straight) = (arriving(&of_suns), arriving(medium));
             let peak = |(all, straight): (&Rgb, &Rgb)| {
                 let irradiance = *all - *straight;
                 let times = mean_times(irradiance.element_sum() as f32, all.element_sum() as f32);

@@ -115,7 +115,8 @@ impl Depths {
         let eye = snapshot.view.eye;
         let about_eye = |(low, high): (DVec3, DVec3)| (low - eye, high - eye);
         let outermost_m = field.levels.last().map_or(0.0, |level| farthest_m(about_eye(level.grid.volume())));
-        let all_m = field.layers.as_ref().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
+        let slabs_m = snapshot.medium.all_bounds().map(farthest_m).fold(outermost_m, f64::max);
+        let all_m = field.layers.as_ref().map_or(outermost_m, |_| farthest_seen_m(snapshot).max(slabs_m));
         let (start_m, end_m, step_m) = match field.levels.first() {
             Some(level) => {
                 let (low, high) = about_eye(level.grid.volume());

@@ -1,0 +1,44 @@
+//! Fog that differs with height alone. In goes a bank, out come its direction and its height. Invariant: a
+//! slab counts only where its sides are too far to matter.
+
+use super::FogBank;
+use super::bank::Density;
+use glam::{DAffine3, DMat3, DVec3};
+
+/// Minimum distance from the middle of a slab to its sides, in heights and in mean free paths.
+const FAR: f64 = 10.0;
+/// Maximum distance from a side of a slab to the end of the ground, as a share of the distance to the middle.
+const BESIDE: f64 = 0.1;
+
+impl FogBank {
+    /// Direction in which fog without sides thins out, a unit vector, and its scale height; of a slab, its
+    /// height. In metres.
+    pub fn layer(&self) -> Option<(DVec3, f64)> {
+        match &self.density {
+            Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
+            Density::Even if !self.is_bounded() => {
+                Some((DVec3::Y, 2.0 / self.cube_from_relative.matrix3.y_axis.y.abs()))
+            }
+            Density::Even | Density::Thinning(_) | Density::Voxels(_) => None,
+        }
+    }
+
+    /// A level slab of even fog without its sides, if these are far, and the bounds of `things` are near
+    /// them; in relative space.
+    pub(super) fn without_sides(&self, things: &dyn Fn() -> Option<(DVec3, DVec3)>) -> Option<Self> {
+        let (low, high) = self.bounds().filter(|_| self.is_even())?;
+        let half = 0.5 * (high - low);
+        let DAffine3 { matrix3, translation } = self.cube_from_relative;
+        let along = DVec3::new(matrix3.x_axis.x, matrix3.y_axis.y, matrix3.z_axis.z);
+        let is_level = matrix3 == DMat3::from_diagonal(along);
+        let is_flat = half.x.min(half.z) > FAR * (2.0 * half.y).max(1.0 / self.sigma_t.min_element());
+        let things = if is_level && is_flat { things()? } else { return None };
+        let gaps = [things.0 - low, high - things.1];
+        let is_near = |gap: DVec3| gap.abs().cmple(BESIDE * half);
+        let up = DVec3::Y;
+        let cube_from_relative =
+            DAffine3 { matrix3: DMat3::from_diagonal(along * up), translation: translation * up };
+        let end_alike = gaps.into_iter().map(is_near).all(|sides| sides.test(0) && sides.test(2));
+        end_alike.then(|| Self { cube_from_relative, ..self.clone() })
+    }
+}
