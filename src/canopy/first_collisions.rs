@@ -272,11 +272,12 @@ impl FirstCollisions<'_> {
         let mut left = [0, 1]
             .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
+        let spans = self.snapshot.medium.spans(ray);
         for CellInterval { node, from, to } in self.cut.grid.intervals(&in_world, start, end) {
             let (length, middle) = (to - from, 0.5 * (from + to));
             // The mean over the fog of the interval, so what collides is what is missing behind it.
             let here = [0, 1].map(|which| {
-                let depth = media[which].optical_depth_between(ray, from, to);
+                let depth = media[which].optical_depth_between((ray, &spans), from, to);
                 let (through, mean) = exp_minus_with_mean(depth);
                 let here = left[which] * mean;
                 left[which] *= through;

@@ -176,7 +176,7 @@ impl FogBank {
     }
 
     /// Range of the line inside, as `t` that may be negative; `None` if the line misses.
-    fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
+    pub(super) fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
@@ -216,13 +216,9 @@ impl FogBank {
 
     /// Metres of fog at maximum density on `origin + t * direction`, `0 < t < t_max`, for a unit direction.
     pub(super) fn length(&self, origin: DVec3, direction: DVec3, t_max: f64) -> f64 {
-        self.length_between_places(&Ray { origin, direction }, 0.0, t_max)
-    }
-
-    /// Metres of fog at maximum density between two places on a ray.
-    pub(super) fn length_between_places(&self, ray: &Ray, start: f64, end: f64) -> f64 {
-        let Some((enter, leave)) = self.span(ray) else { return 0.0 };
-        self.metres(ray, enter.max(start), leave.min(end))
+        let ray = Ray { origin, direction };
+        let Some((enter, leave)) = self.span(&ray) else { return 0.0 };
+        self.metres(&ray, enter.max(0.0), leave.min(t_max))
     }
 
     /// Metres at maximum density between two points.

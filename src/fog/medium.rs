@@ -93,13 +93,25 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.rough_length(ray, t_max)).sum()
     }
 
-    /// Optical depth between two places on a ray that are near each other: voxels have the density between.
-    pub fn optical_depth_between(&self, ray: &Ray, start: f64, end: f64) -> Rgb {
-        let metres = |fog: &FogBank| match fog.voxels() {
-            Some(_) => (end - start) * fog.density(ray.at(0.5 * (start + end))),
-            None => fog.length_between_places(ray, start, end),
+    /// Range of a ray's line inside each bank.
+    pub fn spans(&self, ray: &Ray) -> Vec<Option<(f64, f64)>> {
+        self.banks.iter().map(|fog| fog.span(ray)).collect()
+    }
+
+    /// Optical depth between two places on a ray that are near each other, with its spans: voxels have the
+    /// density between.
+    pub fn optical_depth_between(
+        &self,
+        (ray, spans): (&Ray, &[Option<(f64, f64)>]),
+        start: f64,
+        end: f64,
+    ) -> Rgb {
+        let metres = |fog: &FogBank, span: Option<(f64, f64)>| match (fog.voxels(), span) {
+            (Some(_), _) => (end - start) * fog.density(ray.at(0.5 * (start + end))),
+            (None, Some((enter, leave))) => fog.metres(ray, enter.max(start), leave.min(end)),
+            (None, None) => 0.0,
         };
-        self.banks.iter().map(|fog| fog.sigma_t * metres(fog)).sum()
+        self.banks.iter().zip(spans).map(|(fog, span)| fog.sigma_t * metres(fog, *span)).sum()
     }
 
     /// Approximate optical depth of a ray up to the sky, for one of many random directions.
