@@ -107,10 +107,11 @@ impl<'a> Sweeper<'a> {
         let turned_wanted = Wanted { radiances: turned_places.as_deref(), ..*wanted };
         let sums = Mutex::new(Sums::new(self, wanted));
         let Self { count, angle_sets, workspaces, .. } = self;
+        let (count, workspaces) = (*count, &*workspaces);
         let workspaces = || workspaces.lock().unwrap_or_else(PoisonError::into_inner);
         angle_sets.par_iter_mut().for_each(|set| {
             let known = workspaces().pop();
-            let own = known.map_or_else(|| Workspace::new(*count), Workspace::cleared);
+            let own = known.map_or_else(|| Workspace::new(count), Workspace::cleared);
             let own = match set.axis {
                 0 => set.sweep(quadrature, &turned, &turned_wanted, (own, cancelled)),
                 _ => set.sweep(quadrature, sources, wanted, (own, cancelled)),

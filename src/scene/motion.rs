@@ -59,12 +59,12 @@ impl Motion {
     }
 }
 
+/// Translation and rotation, as far as they had more keys.
+type Curves = (Option<Track<DVec3>>, Option<Track<DQuat>>);
+
 impl Motion {
     /// Drops keys that no time in a span needs, see [`Track::keep_span`]. Returns the curves with all keys.
-    pub(super) fn keep_span(
-        &mut self,
-        span_s: (f64, f64),
-    ) -> Option<(Option<Track<DVec3>>, Option<Track<DQuat>>)> {
+    pub(super) fn keep_span(&mut self, span_s: (f64, f64)) -> Option<Curves> {
         let Self::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } = self else {
             return None;
         };
