@@ -8,7 +8,7 @@ use super::error_left::{Left, Light};
 use super::importance::Importance;
 use super::map::{Map, Shape};
 use super::moments::Moments;
-use super::probes::{PASSES, Plan, probes};
+use super::probes::{GROUP, PASSES, Plan, probes};
 use super::survey::Survey;
 use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
@@ -77,10 +77,10 @@ impl GridError {
         let mut halves = none();
         let mut numbers = 0..FIRST;
         let importance = Importance::even(shape);
-        let mut plan = Plan { importance, branches: Branches::ONE, learned: None };
+        let mut plan = Plan { importance, branches: Branches::ONE, learned: None, shares: false };
         let (mut drawn, mut drawn_by_one, mut noted) = (0.0, POINTS_OF_A_WALK, Noted::default());
         loop {
-            let rays = (BATCH / plan.branches.mean()) as u32;
+            let rays = (BATCH / plan.branches.mean()) as u32 / GROUP * GROUP;
             for start in numbers.clone().step_by(rays as usize) {
                 let batch = start..numbers.end.min(start + rays);
                 for (number, probe) in batch.clone().zip(probes(batch, &plan, snapshot, job, indirect)) {
@@ -107,11 +107,14 @@ impl GridError {
                     importance: Importance::of(&Light::of(&first).brightness()),
                     branches: branches_by_noise(&first),
                     learned: Some(Arc::new(Learned::of(&std::mem::take(&mut noted), snapshot))),
+                    shares: false,
                 };
                 halves = none();
                 numbers = FIRST..FIRST + FIRST / 2;
             } else {
                 let wanted = (known.relative / tolerance).powi(2) - 1.0;
+                // Sharing has a price, and pays where walks are too few.
+                plan.shares |= wanted > room;
                 let more = wanted.clamp(LEAST_MORE, room.min(1.0)) * f64::from(numbers.end - FIRST);
                 let runs = (more / f64::from(2 * RUN)).ceil().max(1.0) as u32;
                 numbers = numbers.end..numbers.end + 2 * RUN * runs;

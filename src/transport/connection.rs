@@ -67,7 +67,12 @@ pub(super) fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
 }
 
 /// Transmittance between two triangles, along the legs that a walk would take.
-fn visibility(snapshot: &Snapshot, ray: &Ray, distance: f64, [from, to]: [Option<PrimitiveId>; 2]) -> Rgb {
+pub(super) fn visibility(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    distance: f64,
+    [from, to]: [Option<PrimitiveId>; 2],
+) -> Rgb {
     let hit = snapshot.tree.nearest_hit(ray, distance, from);
     if hit.is_some_and(|hit| Some(hit.primitive) != to) {
         return Rgb::ZERO;

@@ -1,6 +1,7 @@
 //! Lobes of a surface, for sampling directions. In go a point of a surface and uniform numbers, out come
 //! directions and their densities. Invariant: the density is positive wherever the BSDF is.
 
+use super::direct::scattered_per_radiance;
 use crate::color::{Rgb, luminance};
 use crate::math::disc_from_square;
 use crate::scattering::Clearcoat;
@@ -106,6 +107,34 @@ impl Lobes {
         }
         density
     }
+}
+
+/// Samples a direction from which a surface scatters light towards the eye, by one of its lobes or its
+/// mirror. Returns it with the BSDF times cosine over its density, and the density, 1/sr; `None` for the
+/// mirror.
+pub(super) fn sample_bsdf(point: &SurfacePoint, (mut u, v): (f64, f64)) -> Option<(DVec3, Rgb, Option<f64>)> {
+    let matte = matte_share(point);
+    let share = 1.0 - matte.as_ref().map_or(0.0, |(_, share)| *share);
+    if u < share {
+        let normal = point.shading_normal;
+        let reflected = 2.0 * point.to_eye.dot(normal) * normal - point.to_eye;
+        let leaves = reflected.dot(point.geometric_normal) > 0.0;
+        return leaves.then(|| (reflected.normalize(), point.mirror / share, None));
+    }
+    let (lobes, matte_share) = matte?;
+    u = (u - share) / matte_share;
+    let direction = lobes.sample(point, [u, v].into());
+    let density = matte_share * lobes.pdf(point, direction);
+    let weight = scattered_per_radiance(point, direction) / density;
+    (density > 0.0).then_some((direction, weight, Some(density)))
+}
+
+/// Lobes of a surface, and the probability of sampling them rather than its mirror; `None` if it has no
+/// lobes.
+pub(super) fn matte_share(point: &SurfacePoint) -> Option<(Lobes, f64)> {
+    let (lobes, mirror) = (Lobes::of(point)?, luminance(point.mirror));
+    let share = lobes.all / (mirror + lobes.all);
+    Some((lobes, share))
 }
 
 /// The clear coat of a surface seen from its front.

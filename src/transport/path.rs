@@ -3,6 +3,7 @@
 
 use super::branches::Branches;
 use super::learned::{Learned, Noted};
+use super::shared_walks::Roots;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
@@ -69,6 +70,11 @@ pub struct Scratch {
     pub(super) learned: Option<Arc<Learned>>,
     /// What walks met until then.
     pub(super) noted: Noted,
+    /// Whether the next walks of surfaces and of fog are shared.
+    pub(super) shares_on_surface: bool,
+    pub(super) shares_in_fog: bool,
+    /// Walks that are shared.
+    pub(super) roots: Roots,
 }
 
 impl Scratch {
@@ -80,6 +86,17 @@ impl Scratch {
     /// What walks met since the last time, as long as nothing is learned.
     pub fn take_noted(&mut self) -> Noted {
         std::mem::take(&mut self.noted)
+    }
+
+    /// Has the walks of the next camera ray shared, or not.
+    pub fn share_walks(&mut self, shares: bool) {
+        (self.shares_on_surface, self.shares_in_fog) = (shares, shares);
+    }
+
+    /// Walks of the last camera ray that are shared.
+    pub fn take_roots(&mut self) -> Roots {
+        self.share_walks(false);
+        std::mem::take(&mut self.roots)
     }
 }
 

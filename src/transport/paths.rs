@@ -16,20 +16,22 @@ use super::emissive_fog_light::{Collision, Collisions};
 use super::fog_emission;
 use super::lamp_fog;
 use super::lamp_spots;
-use super::lobes::Lobes;
+use super::lobes::{matte_share, sample_bsdf};
 use super::path::{Illumination, Path};
+use super::shared_walks::{First, Root, Second, over};
 use super::sky_light;
 use super::sun_shafts;
 use super::sun_spots;
 use super::turn::Turn;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
-use crate::color::{Rgb, luminance};
+use crate::color::Rgb;
 use crate::fog::henyey_greenstein_pdf;
 use crate::math::Ray;
 use crate::scene::Bounces;
 use crate::snapshot::SurfacePoint;
 use glam::DVec3;
+use std::cell::Cell;
 
 /// Maximum number of vertices of a walk. In a closed scene without absorption a walk would never end; light
 /// of later vertices is left out.
@@ -47,7 +49,17 @@ struct Leg {
     turn: Option<Turn>,
 }
 
+/// Where a walk starts or goes on.
+#[derive(Clone, Copy)]
+struct Start {
+    /// Number of its next vertex, from 1.
+    number: u32,
+    /// Largest channel of the throughput at its start.
+    at_first: f64,
+}
+
 /// Vertex at which light is scattered.
+#[derive(Clone, Copy)]
 #[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
 enum Vertex {
     Surface(SurfacePoint),
@@ -58,10 +70,13 @@ enum Vertex {
 /// Radiance of indirect light that a surface scatters towards the eye, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
     // The mirror's reflection is traced by itself.
-    let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
-    mean_of(path, path.light.branches.at_surfaces, |path| {
-        Vertex::Surface(without_mirror).lit_by_scattered(path, bounces, Rgb::ONE)
-    })
+    let point = SurfacePoint { mirror: Rgb::ZERO, ..*point };
+    let (vertex, count) = (Vertex::Surface(point), path.light.branches.at_surfaces);
+    let shares = std::mem::take(&mut path.scratch.shares_on_surface);
+    let mut root = shares.then(|| Root::new(First::Surface(point), Rgb::ONE, (count, 1.0)));
+    let lit = mean_of(path, count, |path| vertex.lit_by_scattered(path, bounces, Rgb::ONE, root.as_mut()));
+    path.scratch.roots.on_surface = path.scratch.roots.on_surface.take().or(root);
+    lit
 }
 
 /// Radiance of indirect light that fog scatters into a camera ray on its way, W m^-2 sr^-1.
@@ -74,21 +89,26 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
         before.map(|hit| hit.point.see_through).product()
     };
     let collisions = Collisions { along, losses, weights: Rgb::ONE, chance: 1.0 };
-    mean_of(path, path.light.branches.in_fog, |path| {
+    let (count, shares) = (path.light.branches.in_fog, std::mem::take(&mut path.scratch.shares_in_fog));
+    mean_of(path, count, |path| {
         let (t, by_emission) = collisions.lit(path, ray);
         let lit = seen_through(t) * by_emission;
         let u = path.sampler.next_2d();
         let Some(loss) = collisions.along.sample_loss(Rgb::ONE, &losses, u.into()) else { return lit };
         let throughput = loss.through_per_density * seen_through(loss.t);
         let collision = path.snapshot.emissive().map(|_| collisions.at(ray, loss.t));
-        let vertex = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }, collision);
-        lit + vertex.lit_by_scattered(path, bounces, throughput)
+        let ray = Ray { origin: ray.at(loss.t), ..*ray };
+        let vertex = Vertex::Fog(ray, collision);
+        let mut root = shares.then(|| Root::new(First::Fog(ray), throughput, (1, 1.0 / f64::from(count))));
+        let scattered = vertex.lit_by_scattered(path, bounces, throughput, root.as_mut());
+        path.scratch.roots.in_fog.extend(root);
+        lit + scattered
     })
 }
 
 /// Mean of so many walks. Their random points are stratified together, as those of as many samples of a
 /// pixel.
-fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb {
+fn mean_of(path: &mut Path, count: u32, mut walk: impl FnMut(&mut Path) -> Rgb) -> Rgb {
     if count == 1 {
         return walk(path);
     }
@@ -103,18 +123,73 @@ fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb 
     sum / f64::from(count)
 }
 
+/// Radiance along the first leg of a walk, from its next vertex and all later ones. A root takes over what it
+/// shares.
+fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg, root: Option<&mut Root>) -> Rgb {
+    let first = leg.throughput.max_element();
+    let Some(root) = root else { return walk_from(path, bounces, leg, Start { number: 1, at_first: first }) };
+    let mut sum = Rgb::ZERO;
+    let Some(vertex) = leg.next_vertex(path, &mut sum, true) else { return sum };
+    sum += leg.throughput * vertex.met(path, &leg);
+    if share(path, root, &leg, &vertex, first) {
+        return sum;
+    }
+    sum += leg.throughput * vertex.lit_by_sampled(path);
+    let next = vertex.go_on(path, leg.throughput);
+    sum + next.map_or(Rgb::ZERO, |next| walk_from(path, bounces, next, Start { number: 2, at_first: first }))
+}
+
+/// Follows a walk from its second vertex, and keeps what arrives there with its root, if that may be shared.
+/// `first` is the largest channel of its throughput at the root.
+fn share(path: &mut Path, root: &mut Root, leg: &Leg, vertex: &Vertex, first: f64) -> bool {
+    let Some(point) = vertex.shared() else { return false };
+    let Some(density) = root.density(path.snapshot, point, leg.throughput) else { return true };
+    let mut arriving = arriving_beside_the_walk(path, point);
+    if let Some(next) = vertex.go_on(path, leg.throughput) {
+        let direction = next.ray.direction;
+        let scattered = leg.throughput * direct::scattered_per_radiance(point, direction);
+        if let Some(density) = over(scattered, next.throughput) {
+            // Roulette goes on by the throughput to the eye.
+            let start = Start { number: 2, at_first: first / (density * next.throughput.max_element()) };
+            let next = Leg { throughput: Rgb::splat(1.0 / density), ..next };
+            arriving.push((direction, walk_from(path, Bounces::All, next, start)));
+        }
+    }
+    root.keep(Second { point: *point, density, arriving });
+    true
+}
+
+/// Directions in which light was sampled by brightness, each with the radiance over its density.
+fn arriving_beside_the_walk(path: &mut Path, point: &SurfacePoint) -> Vec<(DVec3, Rgb)> {
+    let Some((lobes, share)) = matte_share(point) else { return Vec::new() };
+    let sampled = Cell::new(DVec3::ZERO);
+    let receiver = Receiver {
+        place: point.position,
+        leaving: Some(point.primitive),
+        scattered: &|direction| {
+            sampled.set(direction);
+            let is_lit = direct::scattered_per_radiance(point, direction) != Rgb::ZERO;
+            if is_lit { Rgb::ONE } else { Rgb::ZERO }
+        },
+        pdf: &|direction| share * lobes.pdf(point, direction),
+    };
+    let of_emission: Technique = |path, receiver| emissive::scattered(path, receiver, None);
+    let techniques = [of_emission].into_iter().chain(beside_the_walk());
+    let found = techniques.map(|technique| (technique(path, &receiver), sampled.get()));
+    found.filter(|(radiance, _)| *radiance != Rgb::ZERO).map(|(radiance, to)| (to, radiance)).collect()
+}
+
 /// Radiance along a leg, from its next vertex and all later ones.
-fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
+fn walk_from(path: &mut Path, bounces: Bounces, mut leg: Leg, start: Start) -> Rgb {
     let most = match bounces {
         Bounces::UpTo(count) => count.min(MOST_VERTICES),
         Bounces::All => MOST_VERTICES,
     };
-    let at_first = leg.throughput.max_element();
     let (mut sum, light) = (Rgb::ZERO, path.light);
     // A last leg that collects emission alone, so that emission is scattered as often as light of lamps.
     let emits = path.snapshot.emissive().is_some() || path.snapshot.medium.emits();
     let legs = most + u32::from(emits);
-    for number in 1..=legs {
+    for number in start.number..=legs {
         let Some(vertex) = leg.next_vertex(path, &mut sum, number <= most) else { break };
         sum += leg.throughput * vertex.met(path, &leg);
         if number == legs {
@@ -127,7 +202,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
         leg = next;
         // Russian roulette by the throughput, as a fraction of the walk's first.
-        let survives = (leg.throughput.max_element() / at_first).min(1.0);
+        let survives = (leg.throughput.max_element() / start.at_first).min(1.0);
         if number >= SURE_VERTICES && survives < 1.0 {
             if path.sampler.next_1d() >= survives {
                 break;
@@ -214,10 +289,25 @@ impl Leg {
 }
 
 impl Vertex {
+    /// The surface, if walks from other vertices may share it: a matte one scatters about alike to all sides.
+    /// Fog that scatters ahead does not.
+    fn shared(&self) -> Option<&SurfacePoint> {
+        let Self::Surface(point) = self else { return None };
+        let is_smooth = point.mirror != Rgb::ZERO || point.gloss.is_some();
+        let is_matte = !is_smooth && point.dielectric.is_none() && point.layers.is_none();
+        is_matte.then_some(point)
+    }
+
     /// Radiance towards the eye of emission and of indirect light, times a throughput.
-    fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
+    fn lit_by_scattered(
+        &self,
+        path: &mut Path,
+        bounces: Bounces,
+        throughput: Rgb,
+        root: Option<&mut Root>,
+    ) -> Rgb {
         let sampled = throughput * self.lit_by_sampled(path);
-        sampled + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+        sampled + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg, root))
     }
 
     /// Radiance that a walk meets after its turn, in fog per metre: emission, and light that was not
@@ -248,7 +338,7 @@ impl Vertex {
                     scattered: &|direction| direct::scattered_per_radiance(point, direction),
                     pdf: &|direction| share * lobes.pdf(point, direction),
                 };
-                beside_the_walk(path, &receiver, None)
+                lit_beside_the_walk(path, &receiver, None)
             }
             Self::Fog(Ray { origin, direction }, collision) => {
                 let medium = &path.snapshot.medium;
@@ -259,7 +349,7 @@ impl Vertex {
                     scattered: &|to| medium.scattering_at(*origin, direction.dot(to)),
                     pdf: &|to| henyey_greenstein_pdf(g, direction.dot(to)),
                 };
-                beside_the_walk(path, &receiver, collision.as_ref())
+                lit_beside_the_walk(path, &receiver, collision.as_ref())
             }
         }
     }
@@ -268,7 +358,7 @@ impl Vertex {
     fn go_on(&self, path: &mut Path, throughput: Rgb) -> Option<Leg> {
         let leg = match self {
             Self::Surface(point) => {
-                let (direction, weight, density) = sample_bsdf(path, point)?;
+                let (direction, weight, density) = sample_bsdf(point, path.sampler.next_2d())?;
                 let ray = Ray { origin: point.position, direction };
                 let turn = density.map(|density| Turn { place: point.position, density, collision: None });
                 Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), turn }
@@ -290,39 +380,15 @@ impl Vertex {
 }
 
 /// Radiance of points sampled by brightness, as a vertex scatters it towards the eye.
-fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
-    emissive::scattered(path, receiver, collision)
-        + lamp_spots::scattered(path, receiver)
-        + sun_spots::scattered(path, receiver)
-        + sun_shafts::scattered(path, receiver)
-        + lamp_fog::scattered(path, receiver)
+fn lit_beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
+    let of_emission = emissive::scattered(path, receiver, collision);
+    beside_the_walk().iter().fold(of_emission, |sum, technique| sum + technique(path, receiver))
 }
 
-/// Samples a direction from which a surface scatters light towards the eye, by one of its lobes or its
-/// mirror. Returns it with the BSDF times cosine over its density, and the density, 1/sr; `None` for the
-/// mirror.
-fn sample_bsdf(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f64>)> {
-    let matte = matte_share(point);
-    let share = 1.0 - matte.as_ref().map_or(0.0, |(_, share)| *share);
-    let (mut u, v) = path.sampler.next_2d();
-    if u < share {
-        let normal = point.shading_normal;
-        let reflected = 2.0 * point.to_eye.dot(normal) * normal - point.to_eye;
-        let leaves = reflected.dot(point.geometric_normal) > 0.0;
-        return leaves.then(|| (reflected.normalize(), point.mirror / share, None));
-    }
-    let (lobes, matte_share) = matte?;
-    u = (u - share) / matte_share;
-    let direction = lobes.sample(point, [u, v].into());
-    let density = matte_share * lobes.pdf(point, direction);
-    let weight = direct::scattered_per_radiance(point, direction) / density;
-    (density > 0.0).then_some((direction, weight, Some(density)))
-}
+/// Samples a point of light, and returns the radiance that a receiver scatters of it.
+type Technique = fn(&mut Path, &Receiver) -> Rgb;
 
-/// Lobes of a surface, and the probability of sampling them rather than its mirror; `None` if it has no
-/// lobes.
-fn matte_share(point: &SurfacePoint) -> Option<(Lobes, f64)> {
-    let (lobes, mirror) = (Lobes::of(point)?, luminance(point.mirror));
-    let share = lobes.all / (mirror + lobes.all);
-    Some((lobes, share))
+/// Techniques for light of lamps and suns.
+fn beside_the_walk() -> [Technique; 4] {
+    [lamp_spots::scattered, sun_spots::scattered, sun_shafts::scattered, lamp_fog::scattered]
 }

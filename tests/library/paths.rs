@@ -19,7 +19,9 @@ use sunfleck::scene::{
     Sheen, Size, Sky, SkyPicture, Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
-use sunfleck::transport::{Branches, Component, Learned, Sample, Scratch, Transport, VolumeMethod, radiance};
+use sunfleck::transport::{
+    Branches, Component, Learned, Roots, Sample, Scratch, Transport, VolumeMethod, radiance, shared_light,
+};
 
 /// Along each side of the picture.
 const RAYS: u32 = 6;
@@ -763,6 +765,49 @@ fn walks_that_look_for_shafts_are_as_bright() {
     println!("by shafts {found:.5} +- {less:.5}, by walks alone {expected:.5} +- {error:.5}");
     assert!((found - expected)[0].abs() < SIGMAS * error[0].hypot(less[0]), "{found} for {expected}");
     assert!(less[0] < 0.6 * error[0], "{less} for {error}");
+}
+
+/// Walks that eight rays share are as bright as walks of their own, in a room with thin fog.
+#[test]
+fn walks_that_rays_share_are_as_bright() {
+    let mut scene = sunlit_room();
+    let (low, high) = (DVec3::splat(-1.0), DVec3::splat(1.0));
+    add_fog(&mut scene, low, high, Rgb::new(0.4, 0.2, 0.1), Rgb::splat(0.9), 0.4);
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let transport = by_paths(Bounces::All);
+    let light = Component::Indirect(Branches { at_surfaces: 2, in_fog: 2 });
+    let of_seed = |seed, shares: bool, scratch: &mut Scratch| {
+        let mut sum = Rgb::ZERO;
+        for group in 0..32 {
+            let (mut through, mut roots): (Vec<Rgb>, Vec<Roots>) = (Vec::new(), Vec::new());
+            for number in 8 * group..8 * (group + 1) {
+                let (x, y) = Sampler::new(seed, 0, 0, number).next_2d();
+                let (ray, mut sampler) = (snapshot.view.ray(x, y), Sampler::new(seed, 1, 0, number));
+                scratch.share_walks(shares);
+                let sample = transport.radiance_of(light, &snapshot, &ray, &mut sampler, scratch);
+                sum += sample.indirect + sample.indirect_shafts;
+                through.push(sample.transmittance);
+                roots.push(scratch.take_roots());
+            }
+            for (through, [on_surface, in_fog]) in through.into_iter().zip(shared_light(&snapshot, &roots)) {
+                sum += through * on_surface + in_fog;
+            }
+        }
+        sum / 256.0
+    };
+    let mut first = Scratch::default();
+    of_seed(SEEDS, false, &mut first);
+    let learned = Arc::new(Learned::of(&first.take_noted(), &snapshot));
+    let [(expected, error), (found, other)] = [false, true].map(|shares| {
+        let mut scratch = Scratch::with_learned(Some(learned.clone()));
+        mean_and_error(&(0..SEEDS).map(|seed| of_seed(seed, shares, &mut scratch)).collect::<Vec<_>>())
+    });
+    println!("shared {found:.4} +- {other:.4}, of their own {expected:.4} +- {error:.4}");
+    assert!(found != expected, "nothing was shared");
+    for channel in 0..3 {
+        let off = (found - expected)[channel].abs();
+        assert!(off < SIGMAS * error[channel].hypot(other[channel]), "{found} for {expected}");
+    }
 }
 
 /// Nothing but plain ground and fog without bounds: the layers of these know nothing of a lamp.
