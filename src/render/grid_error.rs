@@ -25,6 +25,9 @@ const FIRST: u32 = 1 << 13;
 /// Maximum number of walks at the usual tolerance: in all, and for each pixel of the picture.
 const MOST: f64 = (1 << 20) as f64;
 const MOST_A_PIXEL: f64 = 128.0;
+/// Multiple of the tolerance above which an estimate allows more walks, and how many times as many.
+const FAR: f64 = 1.5;
+const MORE: f64 = 2.0;
 /// Random points of a walk above which it counts as more than one walk. Most take 3 to 30, and those in deep
 /// fog without absorption some 200. Branches count by their points.
 const POINTS_OF_A_WALK: f64 = 64.0;
@@ -96,6 +99,7 @@ impl GridError {
             if plan.branches == Branches::ONE {
                 drawn_by_one = (drawn / f64::from(FIRST)).clamp(1.0, POINTS_OF_A_WALK);
             }
+            let most = if known.relative > FAR * tolerance { MORE * most } else { most };
             let room = most * drawn_by_one / drawn.max(f64::from(numbers.end)) - 1.0;
             if known.relative <= tolerance || room < LEAST_MORE || cancelled() {
                 return known;
