@@ -117,7 +117,7 @@ impl SurfelTerms {
             lobe,
             even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
             odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
-            emission: channels(optics.emission),
+            emission: channels(f64::from(surfel.emits) * optics.emission),
             sent: reflectance + transmittance,
         }
     }

@@ -16,6 +16,8 @@ pub(crate) struct Surfel {
     pub(crate) area: f64,
     /// Share of light that the part itself does not shade: half for a ball, half of which is turned away.
     pub(crate) exposed: f32,
+    /// Factor of its emission.
+    pub(crate) emits: f32,
     pub(crate) optics: u32,
 }
 
@@ -43,7 +45,14 @@ impl<'a> Surfels<'a> {
     /// Leaves at places in world space, with one surfel each.
     #[cfg(test)]
     pub(crate) fn of_leaves(places: impl Iterator<Item = DVec3>, area: f64) -> Self {
-        let leaf = |position: DVec3| Surfel { position, normal: DVec3::Y, area, exposed: 1.0, optics: 0 };
+        let leaf = |position: DVec3| Surfel {
+            position,
+            normal: DVec3::Y,
+            area,
+            exposed: 1.0,
+            emits: 1.0,
+            optics: 0,
+        };
         let all: Vec<Surfel> = places.map(leaf).collect();
         let optics = Arc::new([SurfaceOptics::default()]);
         Self::new(all.len(), optics, Box::new(move |chunk| (chunk == 0).then(|| all.clone())))

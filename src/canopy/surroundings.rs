@@ -160,6 +160,8 @@ impl<'a> Surroundings<'a> {
                 self.surfel(leaf, place, (if is_small { mean } else { first_place + number }, &known))
             };
             let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
+            let emits = leaf.emits(cell_m) as f32;
+            surfels.iter_mut().for_each(|surfel| surfel.emits = emits);
             if is_small {
                 // One position for all surfels of a part, where its light is gathered.
                 let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
@@ -318,7 +320,7 @@ impl<'a> Surroundings<'a> {
         let normal = area_normal.try_normalize()?;
         let area = place.share * area_normal.length() * optics[number as usize].cover;
         let (position, exposed) = ((a + b + c) / 3.0, leaf.part.exposed as f32);
-        Some(Surfel { position, normal, area, exposed, optics: number })
+        Some(Surfel { position, normal, area, exposed, emits: 1.0, optics: number })
     }
 }
 

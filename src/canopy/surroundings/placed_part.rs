@@ -65,6 +65,17 @@ impl PlacedPart<'_> {
             && area() >= FULL * of_bounds
     }
 
+    /// Factor of its emission that leaves its light outside as it is, though the part is spread over cells
+    /// and so shades itself. Of even sources in a thin ball, 9/16 of the optical depth of its mean chord is
+    /// lost (Case, de Hoffmann & Placzek 1953). That depth is the area of the part over that of the cells.
+    pub(super) fn emits(&self, cell_m: f64) -> f64 {
+        let area_m2 = |margin_m: f64| {
+            let [x, y, z] = [self.thickness_m, self.width_m, self.length_m].map(|side| side + margin_m);
+            x * y + y * z + z * x
+        };
+        1.0 + 9.0 / 16.0 * area_m2(0.0) / area_m2(cell_m)
+    }
+
     /// Share of light from all sides that it does not shade itself from; 1 for a closed body.
     pub(super) fn exposed(&self) -> f64 {
         if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
