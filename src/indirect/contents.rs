@@ -26,9 +26,6 @@ use std::collections::HashSet;
 /// Width in cells from which surfaces are walls.
 pub(super) const WALL_CELLS: f64 = 2.0;
 
-/// Distance between walls and emissive surfaces, in cells, below which these do not light the walls: their
-/// light stays in the gap.
-const NEAREST_EMISSIVE: f64 = 0.5;
 /// Share of emissive walls above which sweeps give their light on walls better than sampled points do.
 const MOST_EMISSIVE: f64 = 0.1;
 
@@ -96,9 +93,9 @@ impl<'a> Contents<'a> {
         let Found { sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
         let small_emissive = context.emissive.as_ref().filter(|_| self.emissive_share() < MOST_EMISSIVE);
         let emissive = small_emissive.map_or(&[][..], Vec::as_slice);
-        let (lights, nearest_m) = (snapshot.lights.as_slice(), NEAREST_EMISSIVE * grid.cell_m);
-        let LitWalls { irradiances, glossy } =
-            WallLight { snapshot, lights, emissive, nearest_m, grid, fog, walls, quadrature }.found();
+        let lights = snapshot.lights.as_slice();
+        let light = WallLight { snapshot, lights, emissive, grid, fog, walls, quadrature };
+        let LitWalls { irradiances, glossy } = light.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
         let walls = walls.walls.scattered(&irradiances);
         let has_emission = snapshot.emissive().is_some() || snapshot.medium.emits();

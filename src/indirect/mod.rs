@@ -19,6 +19,7 @@ mod layer_detail;
 mod layers;
 mod leaf_light;
 mod level;
+mod lit_square;
 mod lobe;
 mod sky;
 mod solved;

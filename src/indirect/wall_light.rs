@@ -2,11 +2,14 @@
 //! highlights. Invariant: origins of shadow rays depend on the wall and the grid alone.
 
 use super::highlights::{self, Arriving};
+use super::lit_square::Square;
 use super::walls::SnapshotWalls;
 use crate::accel::PrimitiveId;
 use crate::canopy::delta_scaled_fog::DeltaScaledFog;
+use crate::canopy::surface_optics::optics_at;
 use crate::color::Rgb;
 use crate::fog::exp_minus;
+use crate::light::{Emission, LightPlace};
 use crate::math::{Ray, kronecker};
 use crate::ordinates::first_collision_source::GlossySource;
 use crate::ordinates::grid::Grid;
@@ -18,14 +21,17 @@ use rayon::prelude::*;
 
 /// Number of shadow rays to a patch of a wall, along each side.
 const SHADOW_RAYS: usize = 4;
+/// Distance in cells up to which all points of an emissive surface light a patch; farther ones are sampled.
+const NEAR: f64 = 2.0;
+/// Width in cells of a gap between a wall and an emissive surface that nodes do not resolve.
+const GAP: f64 = 0.5;
 
+#[derive(Clone, Copy)]
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) lights: &'a [Luminaire],
-    /// Emissive surfaces that light walls as lamps do; their points nearer than `nearest_m` do not count,
-    /// metres.
+    /// Emissive surfaces that light walls as lamps do.
     pub(super) emissive: &'a [Luminaire],
-    pub(super) nearest_m: f64,
     pub(super) grid: &'a Grid,
     pub(super) fog: &'a DeltaScaledFog<'a>,
     pub(super) walls: &'a SnapshotWalls,
@@ -39,53 +45,13 @@ pub(super) struct LitWalls {
     pub(super) glossy: GlossySource,
 }
 
-/// A part of a wall that is lit uniformly.
-struct Square {
-    /// Centre in relative space.
-    middle: DVec3,
-    /// Vectors from its centre to the middles of two sides.
-    half: [DVec3; 2],
-}
-
-impl Square {
-    /// Unit vector to a light, and the mean irradiance on the side of a normal, W/m^2. For a lamp it is the
-    /// intensity times the solid angle over the area, at any distance.
-    fn lit(&self, light: &FrozenLight, normal: DVec3) -> (DVec3, Rgb) {
-        let (to_light, distance, arriving) = light.arriving_at(self.middle);
-        let irradiance = match light {
-            FrozenLight::Sun { .. } => to_light.dot(normal).max(0.0) * arriving,
-            FrozenLight::Point { position, .. } if to_light.dot(normal) > 0.0 => {
-                let area = 4.0 * self.half[0].length() * self.half[1].length();
-                arriving * distance * distance * self.solid_angle(*position) / area
-            }
-            FrozenLight::Point { .. } => Rgb::ZERO,
-        };
-        (to_light, irradiance)
-    }
-
-    /// Solid angle of the square as seen from a point, sr.
-    fn solid_angle(&self, from: DVec3) -> f64 {
-        let [right, up] = self.half;
-        let [a, b, c, d] = [-right - up, right - up, right + up, up - right]
-            .map(|corner| (self.middle + corner - from).normalize_or_zero());
-        of_triangle(a, b, c) + of_triangle(a, c, d)
-    }
-}
-
-/// Solid angle of a triangle, given unit vectors to its corners, sr (Van Oosterom & Strackee 1983, "The solid
-/// angle of a plane triangle", equation 8).
-fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
-}
-
 impl WallLight<'_> {
     /// Computes the light of all lamps, suns and emissive surfaces.
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
-            let lamps = self.lights.iter().map(|light| (light, 0.0));
-            let emissive = self.emissive.iter().map(|light| (light, self.nearest_m));
-            let arriving = |light| self.arriving(light, (patch, primitive));
-            let lights: Vec<Arriving> = lamps.chain(emissive).filter_map(arriving).collect();
+            let lights = self.lights.iter().chain(self.emissive);
+            let arriving = |light| self.arriving(light, (patch, primitive), |_, _| ());
+            let lights: Vec<Arriving> = lights.filter_map(arriving).collect();
             let highlights =
                 highlights::of_patch(self.snapshot, (patch, primitive), &lights, self.quadrature);
             (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)
@@ -95,52 +61,122 @@ impl WallLight<'_> {
         LitWalls { irradiances, glossy: GlossySource::new(&along) }
     }
 
-    /// Light of one luminaire on a patch; its points within `nearest_m` do not count.
-    fn arriving(
+    /// Light of one luminaire on a patch. `tell` gets the irradiance on each of its squares.
+    pub(super) fn arriving(
         &self,
-        (light, nearest_m): (&Luminaire, f64),
+        light: &Luminaire,
         (patch, primitive): (&Patch, PrimitiveId),
+        mut tell: impl FnMut(&Square, Rgb),
     ) -> Option<Arriving> {
-        let (right, up) = patch.normal.any_orthonormal_pair();
-        // Around the centre of the patch's cell, on its plane: the place depends on no leaf.
-        let node = self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal);
-        let middle = self.grid.position(node);
-        // For an emissive surface each patch has sampled points of its own, as few points give no common
-        // mean.
-        let first = if nearest_m > 0.0 { node * SHADOW_RAYS * SHADOW_RAYS } else { 0 };
-        let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
-        let step = self.grid.cell_m / SHADOW_RAYS as f64;
-        let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
-        let (mut sum, mut way_to_light, mut count) = (Rgb::ZERO, DVec3::ZERO, 0.0);
-        for number in 0..SHADOW_RAYS * SHADOW_RAYS {
-            let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
-            let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
-            let square = Square {
-                middle: place - self.snapshot.view.eye,
-                half: [0.5 * step * right, 0.5 * step * up],
+        let (node, middle) = self.node_and_middle(patch);
+        let (points, cell_m) = (light.points(), self.grid.cell_m);
+        let is_within = |from: DVec3, point: &FrozenLight, cells: f64| matches!(point.place(), LightPlace::At(place) if place.distance(from) < cells * cell_m);
+        let is_near = |point: &FrozenLight| is_within(middle, point, NEAR);
+        let near: Vec<&FrozenLight> = points.iter().filter(|point| is_near(point)).collect();
+        // Each patch samples points of its own, as few points give no common mean.
+        let first = if points.is_empty() { 0 } else { node * SHADOW_RAYS * SHADOW_RAYS };
+        let squares = self.squares(patch, primitive);
+        let (mut sum, mut way_to_light) = (Rgb::ZERO, DVec3::ZERO);
+        for (number, square) in &squares {
+            let sampled = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, first + number)));
+            let is_far = points.is_empty() || !is_near(&sampled);
+            let shares = near.iter().map(|point| (*point, 1.0 / points.len() as f64));
+            let (mut free, mut in_gap) = (Rgb::ZERO, Rgb::ZERO);
+            for (point, share) in shares.chain(is_far.then_some((&sampled, 1.0))) {
+                let (to_light, irradiance) = self.on_square(square, point, (patch, primitive));
+                way_to_light += share * irradiance.element_sum() * to_light;
+                let is_in_gap = !self.emissive.is_empty() && is_within(square.middle, point, GAP);
+                *(if is_in_gap { &mut in_gap } else { &mut free }) += share * irradiance;
+            }
+            let leaving = if in_gap == Rgb::ZERO {
+                1.0
+            } else {
+                let (leaving, back) = self.leaving_gap(square, (patch, primitive), first + number);
+                in_gap /= Rgb::ONE - patch.optics.reflectance * back;
+                leaving
             };
-            let (seen, origin) = (patch.position + off_wall, place + off_wall);
-            let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
-            // Beyond a corner the wall continues in another plane.
-            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(primitive)) {
-                continue;
-            }
-            count += 1.0;
-            let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, first + number)));
-            let (to_light, unshadowed) = square.lit(&point, patch.normal);
-            if unshadowed != Rgb::ZERO {
-                let (direction, distance, _) = point.arriving_at(origin);
-                if distance < nearest_m {
-                    continue;
-                }
-                let ray = Ray { origin, direction };
-                let irradiance = unshadowed * self.reaching(&point, &ray, distance, primitive);
-                sum += irradiance;
-                way_to_light += irradiance.element_sum() * to_light;
-            }
+            sum += free + leaving * in_gap;
+            tell(square, free + in_gap);
         }
         let to_light = way_to_light.try_normalize()?;
-        Some(Arriving { to_light, irradiance: sum / f64::max(count, 1.0) })
+        Some(Arriving { to_light, irradiance: sum / squares.len().max(1) as f64 })
+    }
+
+    /// Node next to a patch, and the place on the patch's plane, in relative space, nearest to it: that
+    /// depends on no leaf.
+    fn node_and_middle(&self, patch: &Patch) -> (usize, DVec3) {
+        let node = self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal);
+        let place = self.grid.position(node);
+        let height = (place - patch.position).dot(patch.normal);
+        (node, place - height * patch.normal - self.snapshot.view.eye)
+    }
+
+    /// Squares of a patch with their numbers. Beyond a corner the wall continues in another plane.
+    fn squares(&self, patch: &Patch, primitive: PrimitiveId) -> Vec<(usize, Square)> {
+        let (right, up) = patch.normal.any_orthonormal_pair();
+        let (_, middle) = self.node_and_middle(patch);
+        let step = self.grid.cell_m / SHADOW_RAYS as f64;
+        let off_wall = self.off_wall(patch);
+        let seen = patch.position - self.snapshot.view.eye + off_wall;
+        let square = |number: usize| {
+            let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
+            let middle = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
+            (number, Square { middle, half: [0.5 * step * right, 0.5 * step * up] })
+        };
+        let is_open = |(_, square): &(usize, Square)| {
+            let way = square.middle + off_wall - seen;
+            let ray = Ray { origin: seen, direction: way.normalize_or_zero() };
+            !self.snapshot.tree.any_hit(&ray, way.length(), Some(primitive))
+        };
+        (0..SHADOW_RAYS * SHADOW_RAYS).map(square).filter(is_open).collect()
+    }
+
+    /// Offset of shadow rays from a patch.
+    fn off_wall(&self, patch: &Patch) -> DVec3 {
+        0.02 * self.grid.cell_m * patch.normal
+    }
+
+    /// Direction to a light without extent, and its irradiance on a square.
+    fn on_square(
+        &self,
+        square: &Square,
+        point: &FrozenLight,
+        (patch, primitive): (&Patch, PrimitiveId),
+    ) -> (DVec3, Rgb) {
+        let (to_light, unshadowed) = square.lit(point, patch.normal);
+        if unshadowed == Rgb::ZERO {
+            return (to_light, Rgb::ZERO);
+        }
+        let origin = square.middle + self.off_wall(patch);
+        let (direction, distance, _) = point.arriving_at(origin);
+        (to_light, unshadowed * self.reaching(point, &Ray { origin, direction }, distance, primitive))
+    }
+
+    /// Share of a square's light that leaves the gap between it and an emissive surface, and how much that
+    /// surface reflects back into it of the rest. Sweeps see no surface in such a gap.
+    fn leaving_gap(
+        &self,
+        square: &Square,
+        (patch, primitive): (&Patch, PrimitiveId),
+        number: usize,
+    ) -> (f64, Rgb) {
+        const RAYS: usize = 16;
+        let (mut leaving, mut back) = (0.0, Rgb::ZERO);
+        for ray in 0..RAYS {
+            let u = [0.2, 0.7].map(|phase| kronecker(phase, RAYS * number + ray));
+            let direction = Emission::Flat { normal: patch.normal }.sample(u);
+            let ray = Ray { origin: square.middle + self.off_wall(patch), direction };
+            let hit = self.snapshot.tree.nearest_hit(&ray, GAP * self.grid.cell_m, Some(primitive));
+            match hit.filter(|hit| self.snapshot.emission(hit.primitive) != Rgb::ZERO) {
+                None => leaving += 1.0 / RAYS as f64,
+                Some(hit) => {
+                    let place = self.snapshot.world_from_relative(ray.at(hit.t));
+                    let optics = optics_at(self.snapshot, hit.primitive, place, -direction);
+                    back += optics.reflectance / RAYS as f64;
+                }
+            }
+        }
+        (leaving, back)
     }
 
     /// Share of a light that arrives along a ray from a distance.
@@ -151,32 +187,5 @@ impl WallLight<'_> {
         }
         let dimming = self.fog.dimming_of(matches!(light, FrozenLight::Sun { .. }));
         visible * exp_minus(dimming.rough_optical_depth(ray, distance))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::light::{Emission, LampShape};
-    use std::f64::consts::PI;
-
-    /// A lamp sends half of its light to a wide wall, however near it is; a far wall has that of a point
-    /// light.
-    #[test]
-    fn a_lamp_lights_a_square_by_its_solid_angle() {
-        let lit = |half_m: f64, height_m: f64| {
-            let square = Square { middle: DVec3::ZERO, half: [half_m * DVec3::X, half_m * DVec3::Y] };
-            let (position, intensity) = (height_m * DVec3::Z, Rgb::splat(3.0));
-            let (emission, shape) = (Emission::Even, LampShape::NONE);
-            square.lit(&FrozenLight::Point { position, intensity, emission, shape }, DVec3::Z).1.x
-        };
-        for height_m in [1e-9, 1e-3, 1e-2] {
-            let power = 4.0 * 1e4 * lit(100.0, height_m);
-            assert!((power / (3.0 * 2.0 * PI) - 1.0).abs() < 1e-3, "{height_m}: {power}");
-        }
-        assert!((lit(1e-3, 2.0) / (3.0 / 4.0) - 1.0).abs() < 1e-6);
-        // A face of a cube around the lamp has a sixth of its light.
-        assert!((4.0 * lit(1.0, 1.0) / (3.0 * 4.0 * PI / 6.0) - 1.0).abs() < 1e-12);
-        assert_eq!(lit(1.0, -1.0), 0.0, "from behind");
     }
 }

@@ -234,7 +234,7 @@ impl Snapshot<'_> {
     }
 
     /// Radiance that a triangle's material emits, without its texture and vertex colours.
-    fn emission(&self, primitive: PrimitiveId) -> Rgb {
+    pub fn emission(&self, primitive: PrimitiveId) -> Rgb {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance()];
         let triangle = &self.scene.meshes[instance.mesh].triangles[primitive.triangle as usize];
         self.materials[instance.material.unwrap_or(triangle.material)].emission

@@ -124,6 +124,11 @@ impl Luminaire {
         Some(Self { centre, extent: Extent::Points(points), shown: [None; 2] })
     }
 
+    /// Its points, each with all of its power; none if it has an extent of another kind.
+    pub fn points(&self) -> &[FrozenLight] {
+        if let Extent::Points(points) = &self.extent { points } else { &[] }
+    }
+
     /// Luminaire with the traits of a lamp.
     pub fn with(mut self, traits: LampTraits) -> Self {
         let FrozenLight::Point { intensity, shape, .. } = &mut self.centre else { return self };
