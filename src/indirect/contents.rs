@@ -97,7 +97,11 @@ impl<'a> Contents<'a> {
         let light = WallLight { snapshot, lights, emissive, grid, fog, walls, quadrature };
         let LitWalls { irradiances, glossy } = light.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
-        let walls = walls.walls.scattered(&irradiances);
+        let mut sent = walls.walls.scattered(&irradiances);
+        let bright = walls.walls.are_at_angles().then(|| light.bright(&sent, &irradiances)).flatten();
+        if let Some(bright) = &bright {
+            sent.iter_mut().zip(&bright.radiances).for_each(|(sent, bright)| *sent -= *bright);
+        }
         let has_emission = snapshot.emissive().is_some() || snapshot.medium.emits();
         let emission = has_emission.then(|| {
             let is_part = context.emissive.is_none();
@@ -110,7 +114,8 @@ impl<'a> Contents<'a> {
             emitted: emission.as_ref().is_some_and(|emission| emission.not_again.is_none()),
         };
         let not_again = (context.bounces != Bounces::UpTo(1)).then(|| not_again(own));
-        let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
+        let source =
+            FirstCollisionSource { volume: sources, beams, walls: sent, glossy, not_again, emission, bright };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
 

@@ -145,7 +145,7 @@ impl Level {
         let (clumps, extinction) = medium.for_gathering(&first.met_again);
         let light = Light::of(&solution.all, &solution.last);
         Self {
-            on_faces: walls.faces.irradiances(&light.low),
+            on_faces: walls.on_faces(&light.low, solution.on_walls.as_ref()),
             walls,
             light,
             light_in_fog: light_in_fog(&solution, snapshot.sky),

@@ -7,6 +7,7 @@
 //! medium there. `source_iteration.rs` is the loop over orders. Around the grids, fog over plain ground is a
 //! stack of layers (`layers.rs`).
 
+mod bright_patches;
 mod contents;
 mod cut_patches;
 mod extent;

@@ -69,6 +69,11 @@ impl Faces {
         likest.map_or(node, |(_, number)| self.nodes + number)
     }
 
+    /// Number among faces alone of the face of a node that a normal belongs to.
+    pub(super) fn number(&self, node: usize, normal: DVec3) -> Option<usize> {
+        self.of(node, normal).checked_sub(self.nodes)
+    }
+
     /// Irradiance on each face, W/m^2.
     pub(crate) fn irradiances(&self, light: &NodeMoments) -> Vec<[f32; 3]> {
         let of_face = |(face, number): (&Face, usize)| {

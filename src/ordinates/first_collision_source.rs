@@ -28,6 +28,16 @@ pub(crate) struct FirstCollisionSource {
     /// Correction that is subtracted from the second order's source.
     pub(crate) not_again: Option<NodeMoments>,
     pub(crate) emission: Option<Emission>,
+    pub(crate) bright: Option<BrightWalls>,
+}
+
+/// Walls so much brighter than others that ordinates would spread their light in rays: what they give other
+/// walls is known. The rest of the source lacks their light.
+pub(crate) struct BrightWalls {
+    /// Radiance of each patch of wall, 0 for those that are not bright.
+    pub(crate) radiances: Vec<Rgb>,
+    /// Irradiance on each patch by bright ones.
+    pub(crate) irradiances: Vec<Rgb>,
 }
 
 /// Emission of the medium and of walls.

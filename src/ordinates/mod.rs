@@ -9,6 +9,7 @@
 mod angle_set;
 pub(crate) mod angular_radiance;
 pub(crate) mod boundary;
+mod bright_walls;
 mod chebyshev;
 mod counted_orders;
 pub(crate) mod cross_sections;

@@ -61,6 +61,8 @@ pub(crate) struct Solution {
     /// Light straight from emitters, if the rest does not include it; and its radiance for a finer grid, if
     /// it is swept by itself.
     pub(crate) emitted: Option<Swept>,
+    /// Light of bright walls as swept, and the irradiance on each patch of wall by it as known.
+    pub(crate) on_walls: Option<(Moments, Vec<Rgb>)>,
     pub(crate) emitted_radiances: Option<AngularRadiance>,
     /// Whether orders hardly grow darker, so that the series is cut short.
     pub(crate) is_endless: bool,
@@ -68,10 +70,10 @@ pub(crate) struct Solution {
 
 /// Emission density of the medium, per metre and steradian, and radiance of walls.
 pub(super) struct Source {
-    volume: Moments,
-    walls: Vec<Rgb>,
+    pub(super) volume: Moments,
+    pub(super) walls: Vec<Rgb>,
     /// Whether it includes the first-collision source.
-    has_first: bool,
+    pub(super) has_first: bool,
 }
 
 impl Source {
@@ -102,7 +104,7 @@ impl Source {
 impl Problem<'_> {
     /// Solves the problem, order after order.
     pub(crate) fn solved(&self, first: FirstCollisionSource) -> Solution {
-        let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission } = first;
+        let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission, bright } = first;
         let mut sweeper = Sweeper::new(&self.domain);
         let mut source = Source { volume, walls, has_first: true };
         let (mut later, mut emitted, mut is_apart) = (source.emptied(), None, true);
@@ -123,12 +125,18 @@ impl Problem<'_> {
             }
         }
         not_again.iter().for_each(|own| later.volume.add_nodes(own, -1.0));
+        let bright = bright.map(|bright| {
+            let (swept, scattered) = self.sweep_bright(&mut sweeper, &bright, &source.emptied());
+            later.add(&scattered, [1.0; 3]);
+            (swept, bright)
+        });
         let mut solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
         let emitted_radiances = emitted.as_mut().and_then(|swept| swept.radiances.take());
         if let Some(swept) = emitted.as_ref().filter(|_| !is_apart) {
             solution.all.add(&swept.moments, [1.0; 3]);
             solution.last.add_last(swept);
         }
+        bright.into_iter().for_each(|bright| solution.add_bright(bright));
         Solution { emitted: emitted.filter(|_| is_apart), emitted_radiances, ..solution }
     }
 
@@ -225,6 +233,7 @@ impl<'a> SourceIteration<'a> {
             radiances,
             sky_radiances,
             emitted: None,
+            on_walls: None,
             emitted_radiances: None,
             is_endless,
         }

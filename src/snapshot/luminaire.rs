@@ -118,7 +118,7 @@ impl Luminaire {
     }
 
     /// Luminaire of many points, each with all of its power.
-    pub(super) fn of_points(points: Arc<[FrozenLight]>) -> Option<Self> {
+    pub fn of_points(points: Arc<[FrozenLight]>) -> Option<Self> {
         let &FrozenLight::Point { position, intensity, shape, .. } = points.first()? else { return None };
         let centre = FrozenLight::Point { position, intensity, emission: Emission::Even, shape };
         Some(Self { centre, extent: Extent::Points(points), shown: [None; 2] })

@@ -377,6 +377,42 @@ fn no_light_gets_through_the_posts_of_a_closed_shed() {
     }
 }
 
+/// A lamp lights a spot on the wall behind the camera, and the spot lights the wall before it as a point does
+/// by Lambert's cosines. Along ordinates it would light a few places of that.
+#[test]
+fn a_spot_on_a_wall_lights_another_evenly() {
+    let mut scene = camera_at(DVec3::ZERO);
+    for (low, high, reflectance) in [
+        ([-2.0, -2.0, 2.0], [2.0, 2.0, 2.2], 0.5),
+        ([-2.0, -2.0, -2.2], [2.0, 2.0, -2.0], 0.5),
+        ([-2.0, -2.2, -2.0], [2.0, -2.0, 2.0], 0.0),
+    ] {
+        let wall = Material { base_color: Rgb::splat(reflectance), ..Material::default() };
+        add_box(&mut scene, low.into(), high.into(), wall);
+    }
+    let spot = DVec3::new(0.3, 0.2, 2.0);
+    add_light(&mut scene, LightKind::Point, spot - 0.01 * DVec3::Z, DVec3::NEG_Z, Rgb::splat(10.0));
+    let trees = MeshTrees::new(&scene);
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    let snapshot = exposure.middle();
+    let indirect = Indirect::new(&exposure, Bounces::UpTo(1), 1.0, &KeptLight::default(), &|| false)
+        .expect("walls scatter");
+    let mut worst = 0.0_f64;
+    for number in 0..256 {
+        let along = |index: usize| 0.1 + 0.8 * ((index % 16) as f64 + 0.5) / 16.0;
+        let ray = snapshot.view.ray(along(number), along(number / 16));
+        let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None).expect("a wall is before it");
+        let way = ray.at(hit.t) - spot;
+        let cos_by_m = way.z / way.length_squared();
+        // The spot sends half of the half of the lamp's light that it gets: 10 W/sr along its normal.
+        let expected = 0.5 / PI * 10.0 * cos_by_m * cos_by_m;
+        let found = indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0).x;
+        worst = worst.max((found / expected - 1.0).abs());
+    }
+    println!("a wall lit by a spot: worst {worst:.3}");
+    assert!(worst < 0.05, "{worst}");
+}
+
 /// A sheet that takes nothing of light, half of it through, in even light from all sides.
 #[test]
 fn light_comes_through_walls_that_transmit() {
