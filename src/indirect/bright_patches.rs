@@ -1,7 +1,7 @@
 //! Bright patches of walls: a spot beneath a lamp, a ceiling over a panel that glows. In go patches with the
 //! radiance that they send, out comes the irradiance on all patches by the brightest of them. Invariant: such
-//! light arrives along rays from point to point, as ordinates would spread it in rays of their own (ray
-//! effects, Lewis & Miller 1984, section 4-6).
+//! light arrives along rays from point to point. Ordinates would spread it in beams (ray effects, Lewis &
+//! Miller 1984, section 4-6).
 
 use super::lit_square::Square;
 use super::wall_light::WallLight;
@@ -24,8 +24,8 @@ struct Sending {
 }
 
 impl WallLight<'_> {
-    /// The bright patches among all, which send these radiances of these irradiances; `None` if there are
-    /// none.
+    /// Light of the bright patches, by the radiances that all send and the irradiances that they get. `None`
+    /// if none is bright.
     pub(super) fn bright(&self, sent: &[Rgb], irradiances: &[Rgb]) -> Option<BrightWalls> {
         let all: f64 = sent.iter().copied().map(luminance).sum();
         let least = BRIGHT * all / sent.len() as f64;

@@ -1,6 +1,6 @@
 //! Light of bright walls. In go their radiance and the irradiance that they give all walls, out come their
-//! sweep and the second scattering. Invariant: faces of walls get none of it from that sweep, as ordinates would
-//! spread it in rays of their own (ray effects, Lewis & Miller 1984, section 4-6).
+//! sweep and the second scattering. Invariant: faces of walls get none of it from that sweep, as ordinates
+//! would spread it in rays of their own (ray effects, Lewis & Miller 1984, section 4-6).
 
 use super::angle_set::SweepSource;
 use super::boundary::BoundaryCondition;
