@@ -17,6 +17,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use sunfleck::api::{Plan, Renderer, Scene};
+use sunfleck::color::Display;
 use sunfleck::description;
 use sunfleck::diagnostic::shown;
 use sunfleck::film::Frame;
@@ -80,11 +81,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
         let pictures: Result<Vec<Picture>, FrameFileError> = pool.install(|| {
             let picture = |&frame: &i64| {
                 let path = outputs.pictures.as_ref().map(|pattern| pattern.path(frame));
-                let encode = |reason| FrameFileError::Encode { path: source.path(frame), reason };
-                let (shown, pixel_aspect) = source.frame(frame)?;
-                dark_frames.count(frame, shown.darkness());
-                let picture = Picture::of(&shown, &display).map_err(encode)?;
-                let picture = source.sized(picture, pixel_aspect).map_err(encode)?;
+                let picture = source.picture(frame, &display, &dark_frames)?;
                 path.map_or(Ok(()), |path| picture.write(&path))?;
                 Ok(picture)
             };
@@ -205,6 +202,19 @@ impl<'a> Source<'a> {
             }
         };
         Ok(frame.auto_exposure_stops())
+    }
+
+    fn picture(
+        &self,
+        frame: i64,
+        display: &Display,
+        dark_frames: &DarkFrames,
+    ) -> Result<Picture, FrameFileError> {
+        let encode = |reason| FrameFileError::Encode { path: self.path(frame), reason };
+        let (shown, pixel_aspect) = self.frame(frame)?;
+        dark_frames.count(frame, shown.darkness());
+        let picture = Picture::of(&shown, display).map_err(encode)?;
+        self.sized(picture, pixel_aspect).map_err(encode)
     }
 
     /// Picture of a frame with square pixels at the requested size; scenes are drawn at theirs.

@@ -38,8 +38,8 @@ use std::mem::take;
 /// Distance from a surface, in cells, at which light is gathered.
 const AWAY: f64 = 0.25;
 
-/// Optical depth of a grid that is deep along some of its sides. If along these alone, fog that scatters
-/// forward has fine ordinates for the first order: those of all orders have too few along these sides.
+/// Optical depth from which fog is deep along a side of a grid. If it is so along some sides alone and
+/// scatters forward, the first order has fine ordinates: those of all orders are too few along these sides.
 const DEEP: f64 = 4.0;
 
 /// Light of all orders on one grid.
@@ -99,11 +99,16 @@ fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> 
     rim_places(inner).into_par_iter().map(seen_from).collect()
 }
 
-/// Whether the densest fog is deep along some sides of a grid and not along others.
+/// Whether some fog within a grid is deep along some of its sides there, and not along others.
 fn is_flat(grid: &Grid, snapshot: &Snapshot) -> bool {
     let (low, high) = grid.volume();
-    let depths = (high - low) * snapshot.medium.most_extinction_per_m();
-    depths.max_element() > DEEP && depths.min_element() < DEEP
+    let eye = snapshot.view.eye;
+    snapshot.medium.banks().iter().any(|bank| {
+        let within = |(least, most): (DVec3, DVec3)| (low.max(least + eye), high.min(most + eye));
+        let (low, high) = bank.bounds().map_or((low, high), within);
+        let depths = (high - low) * bank.sigma_t.max_element();
+        depths.min_element() > 0.0 && depths.max_element() > DEEP && depths.min_element() < DEEP
+    })
 }
 
 impl Level {
