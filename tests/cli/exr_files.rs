@@ -127,13 +127,9 @@ fn recompress(path: &Path, number: u8) {
 #[test]
 fn pixels_that_are_not_square_are_shown_square() {
     let studio = Studio::new();
-    for (pixel_aspect, flags, expected) in [
-        (2.0, "", (64, 16)),
-        (0.5, "", (32, 32)),
-        (2.0, " --size 50%", (32, 8)),
-        (0.0, "", (32, 16)),
-        (f32::NAN, "", (32, 16)),
-    ] {
+    for (pixel_aspect, flags, expected) in
+        [(2.0, "", (64, 16)), (0.5, "", (32, 32)), (2.0, " --size 50%", (32, 8)), (1e5, "", (32, 16))]
+    {
         Made { pixel_aspect, ..Made::new() }.write(&studio.path("squeezed.exr"));
         studio.succeed(&format!("preview squeezed.exr{flags} --out squeezed.png"));
         let shown = image::open(studio.path("squeezed.png")).unwrap();
