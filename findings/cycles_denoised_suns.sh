@@ -3,9 +3,9 @@
 #
 # Expected: a picture without noise leaves the denoiser as it was, whatever its range; OpenImageDenoise takes HDR input
 # of any values from 0 on. What happens: a panel of 4 x 4 pixels glows before a wall of 0.2, both of one value in every
-# pixel. By Blender 5.3.0 with *OpenImageDenoise* a panel of 1000 keeps its light to 2 %; one of 1e5 has 1.29 times as
+# pixel. By Blender 5.3.0 with *OpenImageDenoise* a panel of 1000 keeps its light to 5 %; one of 1e5 has 1.29 times as
 # much as before, one of 1e6 1.54 and one of 1e7 1.88 times, and so has the whole picture. Panels of 32 x 32 pixels keep
-# it to 1 %. The sun's disc is brighter than 1e6 where irradiance is in W/m2, and as small in a preview. Nothing is
+# it to 2 %. The sun's disc is brighter than 1e6 where irradiance is in W/m2, and as small in a preview. Nothing is
 # said. A denoised frame that looks at the sun cannot be compared by its mean.
 # Remedy: hide the sun's disc from the camera and composite it afterwards, or compare raw frames.
 # Versions: bpy 5.3.0 with numpy 2.5.5 (PyPI). Source: measured here;
@@ -77,6 +77,7 @@ for pixels, radiance, low, high in [(32, 1e6, 0.98, 1.02), (4, 1e3, 0.95, 1.05),
           "the picture %.3f," % (denoised.sum() / raw.sum()),
           "the wall beside them %.2f" % (denoised[SIZE // 2, beside] / raw[SIZE // 2, beside]), flush=True)
     is_same &= panel.sum() == pixels**2 and low < share < high
+    is_same &= pixels == 32 or radiance < 1e4 or abs(denoised.sum() / raw.sum() - share) < 0.02
 if not is_same:
     raise SystemExit("this has changed")
 END

@@ -4,7 +4,7 @@
 # Expected: white of any roughness, sheen or flatness gives back at most what falls on it, so that before a world of
 # radiance 1 it has 1 at most. What happens: `principled` of Mitsuba 3.9.1 with `base_color` 1 and roughness 0.5 has
 # 1.04 from above and 1.16 at 80 degrees from its normal. With `sheen` 1 it has 1.21 there; with `flatness` 1 it has
-# 1.45 there, and 0.79 from above. `principledthin` keeps to 1.01, `diffuse` to 1.00, `roughplastic` loses an eighth.
+# 1.45 there, and 0.79 from above. `principledthin` with `diff_trans` keeps to 1.01, `diffuse` to 1.00; `roughplastic` loses an eighth.
 # The lobes are added without weights that sum up to one; the documentation does not say so, and nothing is said.
 # So a render by it is no truth for another renderer's furnace, nor for white leaves that light one another.
 # Remedy: `diffuse` or `roughplastic`, or a material of one's own by `blendbsdf`.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# three.js exports smooth tracks of places and turns to glTF as straight ones.
+# three.js exports smooth tracks of places to glTF as straight ones.
 #
 # Expected: a track with `InterpolateSmooth` (`Catmull-Rom` through its keys) is baked, written as CUBICSPLINE, or a
 # warning says that it is not, as the exporter says of morph targets. What happens: `GLTFExporter` of three.js 0.187

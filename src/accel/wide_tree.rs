@@ -187,11 +187,10 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     moved_boxes.extend(boxes.iter().enumerate().map(moved));
     let (search, sort) = (PlocSearchDistance::Medium, SortPrecision::U64);
     // As `PlocBuilder::with_capacity` and `Bvh2::zeroed`, but their lists give their memory back.
-    let mut builder = PlocBuilder {
-        current_nodes: large_list(count),
-        next_nodes: large_list(count),
-        mortons: large_list(count.div_ceil(2)),
-    };
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = large_list(count);
+    builder.next_nodes = large_list(count);
+    builder.mortons = large_list(count.div_ceil(2));
     let mut tree = Bvh2 { nodes: large_list(2 * count), ..Bvh2::default() };
     builder.build_with_bvh(&mut tree, search, &moved_boxes, (0..count as u32).collect(), sort, 3);
     drop((builder, moved_boxes));

@@ -7,7 +7,7 @@
 //! the sun's own. Where orders are counted, every scattering counts.
 
 use crate::color::Rgb;
-use crate::fog::{BEAM_DEGREES, Medium};
+use crate::fog::{BEAM_DEGREES, FogBank, Medium};
 use crate::ordinates::first_collision_source::FIRST_DEGREES;
 use crate::scene::Bounces;
 use glam::DVec3;
@@ -41,11 +41,11 @@ impl FogCoefficients {
     }
 }
 
-/// Whether fog scatters forward so strongly that degrees beyond those of the orders matter.
-pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
+/// Whether a bank scatters forward so strongly that degrees beyond those of the orders matter.
+pub(crate) fn scatters_ahead(bank: &FogBank) -> bool {
     /// Minimum coefficient `g^3` of the first of those degrees.
     const LEAST: f64 = 0.02;
-    medium.banks().iter().any(|bank| bank.g.abs().powi(DEGREES) > LEAST)
+    bank.g.abs().powi(DEGREES) > LEAST
 }
 
 pub(crate) struct DeltaScaledFog<'a> {

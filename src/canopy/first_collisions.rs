@@ -163,7 +163,7 @@ impl FirstCollisions<'_> {
                 }
             }
         }
-        if scatters_ahead(&self.snapshot.medium) {
+        if self.snapshot.medium.banks().iter().any(scatters_ahead) {
             found.beams.push(BeamSource::new(travel, &irradiance, &self.medium.first_scattering));
         }
         let all = |node: usize| irradiance.iter().map(|channel| channel[node]).sum();

@@ -15,7 +15,7 @@ pub fn exp_minus(tau: Rgb) -> Rgb {
     Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
 }
 
-/// `exp(-x)` and its mean over `0..x`; for small x by Padé's approximation, within 2e-6.
+/// `exp(-x)` and its mean over `0..x`; for small x by Padé's approximation, within 2e-6 and 6e-6.
 #[inline]
 pub fn exp_minus_with_mean(x: Rgb) -> (Rgb, Rgb) {
     const LITTLE: f64 = 0.25;

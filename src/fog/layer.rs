@@ -9,6 +9,8 @@ use glam::{DAffine3, DMat3, DVec3};
 const FAR: f64 = 10.0;
 /// Maximum distance from a side of a slab to the end of the ground, as a share of the distance to the middle.
 const BESIDE: f64 = 0.1;
+/// Maximum gap between the ground and a slab, as a share of its half height.
+const WITHIN: f64 = 1e-6;
 
 impl FogBank {
     /// Direction in which fog without sides thins out, a unit vector, and its scale height; of a slab, its
@@ -23,16 +25,20 @@ impl FogBank {
         }
     }
 
-    /// A level slab of even fog without its sides, if these are far, and the bounds of `things` are near
-    /// them; in relative space.
-    pub(super) fn without_sides(&self, things: &dyn Fn() -> Option<(DVec3, DVec3)>) -> Option<Self> {
+    /// A level slab of even fog without its sides, if these are far, and the ground ends with them and begins
+    /// with the fog. `things` has the bounds of all that is so wide, in relative space.
+    pub(super) fn without_sides(&self, things: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> Option<Self> {
         let (low, high) = self.bounds().filter(|_| self.is_even())?;
         let half = 0.5 * (high - low);
         let DAffine3 { matrix3, translation } = self.cube_from_relative;
         let along = DVec3::new(matrix3.x_axis.x, matrix3.y_axis.y, matrix3.z_axis.z);
         let is_level = matrix3 == DMat3::from_diagonal(along);
         let is_flat = half.x.min(half.z) > FAR * (2.0 * half.y).max(1.0 / self.sigma_t.min_element());
-        let things = if is_level && is_flat { things()? } else { return None };
+        // What drifts past its sides is not ground.
+        let things = if is_level && is_flat { things(half.x.min(half.z))? } else { return None };
+        if low.y > things.0.y + WITHIN * half.y {
+            return None;
+        }
         let gaps = [things.0 - low, high - things.1];
         let is_near = |gap: DVec3| gap.abs().cmple(BESIDE * half);
         let up = DVec3::Y;

@@ -98,8 +98,8 @@ impl Medium {
         self.banks.iter().map(|fog| fog.span(ray)).collect()
     }
 
-    /// Optical depth between two places on a ray that are near each other, with its spans: voxels have the
-    /// density between.
+    /// Optical depth between two places on a ray that are near each other, with its spans. Voxels count with
+    /// their density halfway.
     pub fn optical_depth_between(
         &self,
         (ray, spans): (&Ray, &[Option<(f64, f64)>]),
@@ -207,15 +207,20 @@ impl Medium {
     }
 
     /// Fog that differs with height alone, and all other fog. The former are unbounded banks, or slabs where
-    /// there are none; `things` has the bounds of all that is not lost.
-    pub fn layers_and_rest(&self, things: &dyn Fn() -> Option<(DVec3, DVec3)>) -> (Self, Self) {
-        let layer = |bank: &FogBank| match self.is_unbounded() {
-            true => (!bank.is_bounded()).then(|| bank.clone()),
-            false => bank.without_sides(things),
-        };
-        let rest = self.banks.iter().filter(|bank| layer(bank).is_none()).cloned().collect();
-        let layers = Self::new(self.banks.iter().filter_map(layer).collect());
-        (layers, Self::new(rest).with_emitters(self.emitters.clone()))
+    /// there are none; `things` has the bounds of all that is as wide as its argument.
+    pub fn layers_and_rest(&self, things: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> (Self, Self) {
+        let (mut layers, mut rest) = (Vec::new(), Vec::new());
+        for bank in &self.banks {
+            let layer = match self.is_unbounded() {
+                true => (!bank.is_bounded()).then(|| bank.clone()),
+                false => bank.without_sides(things),
+            };
+            match layer {
+                Some(layer) => layers.push(layer),
+                None => rest.push(bank.clone()),
+            }
+        }
+        (Self::new(layers), Self::new(rest).with_emitters(self.emitters.clone()))
     }
 
     /// Each bank by itself.

@@ -78,7 +78,7 @@ impl Picture {
         }
     }
 
-    /// Size at which pixels of this width by height are square: none is lost, the shorter side grows.
+    /// Size at which pixels of this width by height are square. The picture grows along their shorter side.
     pub fn unsqueezed(&self, pixel_aspect: f64) -> Size {
         let Size { width, height } = self.size;
         let grown = |side: usize, factor: f64| (side as f64 * factor.max(1.0)).round() as usize;

@@ -36,7 +36,7 @@ pub struct FrameFile {
     pub pixel_aspect: f64,
 }
 
-/// Largest and, inverted, least width of a pixel by its height that is taken for meant.
+/// Maximum width of a pixel by its height, and height by its width. What is beyond is taken for a mistake.
 const WIDEST_PIXEL: f64 = 16.0;
 
 impl FrameFile {

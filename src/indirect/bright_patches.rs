@@ -5,16 +5,24 @@
 
 use super::lit_square::Square;
 use super::wall_light::WallLight;
+use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
 use crate::light::{Emission, FrozenLight, LampShape};
-use crate::math::kronecker;
+use crate::math::{Ray, kronecker};
 use crate::ordinates::first_collision_source::BrightWalls;
+use crate::ordinates::walls::Patch;
 use crate::snapshot::Luminaire;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Radiance relative to the mean of all patches from which a patch is bright.
+/// Radiance relative to the mean of all patches from which a patch is bright. What is above it goes by rays,
+/// so that nothing jumps where a patch becomes bright.
 const BRIGHT: f64 = 16.0;
+/// Minimum component of a bright patch's normal along an axis of the grid. An oblique wall has more or fewer
+/// patches than areas of a cell, so its light goes along ordinates.
+const ALONG_AXIS: f64 = 0.99;
+/// Distance in cells at which a square lies before its own surface.
+const BEFORE: f64 = 0.1;
 
 /// A square that sends light.
 struct Sending {
@@ -29,8 +37,13 @@ impl WallLight<'_> {
     pub(super) fn bright(&self, sent: &[Rgb], irradiances: &[Rgb]) -> Option<BrightWalls> {
         let all: f64 = sent.iter().copied().map(luminance).sum();
         let least = BRIGHT * all / sent.len() as f64;
-        let of_bright = |sent: &Rgb| if luminance(*sent) > least { *sent } else { Rgb::ZERO };
-        let radiances: Vec<Rgb> = sent.iter().map(of_bright).collect();
+        let of_bright = |(sent, patch): (&Rgb, &Patch)| match luminance(*sent) {
+            all if all > least && patch.normal.abs().max_element() > ALONG_AXIS => {
+                *sent * (1.0 - least / all)
+            }
+            _ => Rgb::ZERO,
+        };
+        let radiances: Vec<Rgb> = sent.iter().zip(&self.walls.walls.patches).map(of_bright).collect();
         let numbers: Vec<usize> = (0..sent.len()).filter(|number| radiances[*number] != Rgb::ZERO).collect();
         let of_patch = |&number: &usize| self.sending(number, radiances[number], irradiances[number]);
         let squares: Vec<Sending> = numbers.par_iter().flat_map_iter(of_patch).collect();
@@ -58,6 +71,10 @@ impl WallLight<'_> {
                 place += 1;
             });
         }
+        // Planks of a wall share a cell, and some squares hang in the air beyond an edge.
+        if squares.iter().any(|(square, _)| self.is_before_own(square, patch.normal, primitive)) {
+            squares.retain(|(square, _)| self.is_before_own(square, patch.normal, primitive));
+        }
         let all = luminance(irradiance);
         // A patch that is lit from behind alone sends as much everywhere.
         let share = |of_square: Rgb| if all > 0.0 { luminance(of_square) / all } else { 1.0 };
@@ -67,6 +84,14 @@ impl WallLight<'_> {
             radiance: share(of_square) * radiance,
         };
         squares.into_iter().map(sending).collect()
+    }
+
+    /// Whether a square of a wall lies close before the instance of a primitive.
+    fn is_before_own(&self, square: &Square, normal: DVec3, primitive: PrimitiveId) -> bool {
+        let off_m = BEFORE * self.grid.cell_m;
+        let ray = Ray { origin: square.middle + off_m * normal, direction: -normal };
+        let hit = self.snapshot.tree.nearest_hit(&ray, 2.0 * off_m, None);
+        hit.is_some_and(|hit| hit.primitive.instance == primitive.instance)
     }
 }
 

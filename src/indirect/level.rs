@@ -99,11 +99,11 @@ fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> 
     rim_places(inner).into_par_iter().map(seen_from).collect()
 }
 
-/// Whether some fog within a grid is deep along some of its sides there, and not along others.
+/// Whether fog that scatters forward is deep along some of its sides within a grid, and not along others.
 fn is_flat(grid: &Grid, snapshot: &Snapshot) -> bool {
     let (low, high) = grid.volume();
     let eye = snapshot.view.eye;
-    snapshot.medium.banks().iter().any(|bank| {
+    snapshot.medium.banks().iter().filter(|bank| scatters_ahead(bank)).any(|bank| {
         let within = |(least, most): (DVec3, DVec3)| (low.max(least + eye), high.min(most + eye));
         let (low, high) = bank.bounds().map_or((low, high), within);
         let depths = (high - low) * bank.sigma_t.max_element();
@@ -123,13 +123,12 @@ impl Level {
         let contents = Contents::new(&grid, context);
         let walls = &contents.walls.walls;
         let next_to_inner = inner.map(|inner| seen_about(inner, &grid, walls, snapshot));
-        let sees_high = scatters_ahead(&snapshot.medium);
-        let is_flat = sees_high && is_flat(&grid, snapshot);
-        let needs_fine = walls.are_at_angles() || surrounding.is_fine() || is_flat;
+        let needs_fine = walls.are_at_angles() || surrounding.is_fine() || is_flat(&grid, snapshot);
         let (quadrature, fine) = (Quadrature::new(), needs_fine.then(Quadrature::fine));
         let self_interaction = SelfInteraction::new(&grid, &quadrature, bounces);
         let along = fine.as_ref().unwrap_or(&quadrature);
         let first = contents.first_light(context, along, &self_interaction);
+        let sees_high = snapshot.medium.banks().iter().any(scatters_ahead);
         let sky = sky_of(snapshot.sky);
         let problem = Problem {
             domain: contents.domain(),

@@ -1,5 +1,6 @@
 //! Light without extent on a small square of a wall. In go a square and a light, out comes the mean
-//! irradiance. Invariant: all light of a lamp that reaches its plane lands on some square, however near.
+//! irradiance. Invariant: all light of an even or flat lamp that reaches its plane lands on some square,
+//! however near.
 
 use crate::color::Rgb;
 use crate::light::{Emission, FrozenLight};

@@ -8,7 +8,7 @@ use super::ground::Beneath;
 use super::layers::Layers;
 use super::leaf_light::LeafLight;
 use super::sky::has_sky;
-use crate::canopy::core_bounds::{Strays, core_bounds};
+use crate::canopy::core_bounds::{Strays, Weighed, core_bounds};
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::surroundings::Surroundings;
 use crate::scene::Bounces;
@@ -74,8 +74,13 @@ impl Solved {
 /// Layers around all grids, if fog differs with height alone and no hills lie below it. Slabs need a plain.
 fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
     let eye = snapshot.view.eye;
-    let things = || {
-        let (low, high) = core_bounds(surroundings.boxes(f64::INFINITY), Strays::Lost)?;
+    let things = |width_m: f64| {
+        let is_wide = |thing: &Weighed| {
+            let size = thing.bounds.1 - thing.bounds.0;
+            size.x.max(size.z) >= width_m
+        };
+        let wide = surroundings.boxes(f64::INFINITY).into_iter().filter(is_wide).collect();
+        let (low, high) = core_bounds(wide, Strays::Lost)?;
         Some((low - eye, high - eye))
     };
     let (fog, other_fog) = snapshot.medium.layers_and_rest(&things);

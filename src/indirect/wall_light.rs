@@ -25,6 +25,8 @@ const SHADOW_RAYS: usize = 4;
 const NEAR: f64 = 2.0;
 /// Width in cells of a gap between a wall and an emissive surface that nodes do not resolve.
 const GAP: f64 = 0.5;
+/// Maximum share of light that comes back in such a gap: between white surfaces it would have no end.
+const MOST_BACK: Rgb = Rgb::splat(0.95);
 
 #[derive(Clone, Copy)]
 pub(super) struct WallLight<'a> {
@@ -92,7 +94,7 @@ impl WallLight<'_> {
                 1.0
             } else {
                 let (leaving, back) = self.leaving_gap(square, (patch, primitive), first + number);
-                in_gap /= Rgb::ONE - patch.optics.reflectance * back;
+                in_gap /= Rgb::ONE - (patch.optics.reflectance * back).min(MOST_BACK);
                 leaving
             };
             sum += free + leaving * in_gap;
@@ -152,8 +154,8 @@ impl WallLight<'_> {
         (to_light, unshadowed * self.reaching(point, &Ray { origin, direction }, distance, primitive))
     }
 
-    /// Share of a square's light that leaves the gap between it and an emissive surface, and how much that
-    /// surface reflects back into it of the rest. Sweeps see no surface in such a gap.
+    /// Share of a square's light that leaves the gap between it and an emissive surface, and the share that
+    /// comes back from that surface. Sweeps see no surface in such a gap.
     fn leaving_gap(
         &self,
         square: &Square,

@@ -32,7 +32,7 @@ impl Problem<'_> {
             incident: BoundaryCondition::Vacuum,
         };
         let wanted = Wanted { moments: true, ..self.last(true) };
-        // Fine ordinates, as in corners sweeps light walls, too.
+        // Few ordinates would be seen in fog, on leaves and in corners.
         let fine = Quadrature::fine();
         let mut swept = sweeper.sweep(&fine, &sources, &wanted, self.cancelled);
         let whole = swept.radiances.filter(|_| !(self.cancelled)());

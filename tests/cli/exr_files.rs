@@ -134,6 +134,7 @@ fn pixels_that_are_not_square_are_shown_square() {
         studio.succeed(&format!("preview squeezed.exr{flags} --out squeezed.png"));
         let shown = image::open(studio.path("squeezed.png")).unwrap();
         assert_eq!((shown.width(), shown.height()), expected, "pixels of {pixel_aspect}");
+        assert!(shown.to_rgb8().pixels().all(|pixel| pixel[1] > 99), "pixels of {pixel_aspect}");
     }
 }
 

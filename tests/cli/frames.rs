@@ -21,6 +21,9 @@ fn a_scene_is_rendered_too() {
     let studio = Studio::new();
     studio.succeed("render scene.ron --size 16x9 --samples 1 --bounces 0 --frames 1 --out still.exr");
     assert_eq!(studio.frame("still.exr").frame.full, Size { width: 16, height: 9 });
+    studio.succeed("render scene.ron --size 8x4 --samples 1 --frames 1 --out usual.exr");
+    studio.succeed("render scene.ron --size 8x4 --samples 1 --frames 1 --bounces all --out all.exr");
+    assert_eq!(studio.frame("usual.exr").frame, studio.frame("all.exr").frame);
 }
 
 /// What moves in a scene by itself is seen at any frame; of a sequence those that it names.

@@ -568,6 +568,17 @@ fn deep_fog() -> Scene {
     scene
 }
 
+/// Even fog over ground that ends with it, wide and low, under a low sun.
+fn slab() -> Scene {
+    let mut scene = camera_at(DVec3::new(0.0, 1.5, 4.0));
+    let low = DVec3::new(-15.0, -0.5, -15.0);
+    add_box(&mut scene, low, DVec3::new(15.0, 0.0, 15.0), matte(0.3, 0.0));
+    add_fog(&mut scene, low, DVec3::new(15.0, 0.8, 15.0), Rgb::splat(1.0), Rgb::splat(0.96), 0.5);
+    let sunbeam = DVec3::new(0.8, -0.5, -0.3).normalize();
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sunbeam, SUNLIGHT);
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -615,6 +626,7 @@ fn the_grid_has_the_same_light() {
         ("wall in mist", wall_in_mist(), 16, 0.04),
         ("leaves in wide fog", leaves_in_wide_fog(), 16, 0.03),
         ("deep fog", deep_fog(), 16, 0.015),
+        ("slab", slab(), 16, 0.03),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),

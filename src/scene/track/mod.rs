@@ -151,6 +151,9 @@ impl<T: Animate> Track<T> {
         let first = self.keys_until(from_s as f32).saturating_sub(1);
         // Single precision may choose the key before or after.
         let kept = first.saturating_sub(1)..(self.keys_until(to_s as f32) + 2).min(self.len());
+        if kept == (0..self.len()) {
+            return None;
+        }
         let kept = Self(Course::Smooth(Box::new(compact.part(kept))));
         (kept.is_constant() == self.is_constant()).then(|| std::mem::replace(self, kept))
     }
