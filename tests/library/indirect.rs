@@ -413,29 +413,6 @@ fn a_spot_on_a_wall_lights_another_evenly() {
     assert!(worst < 0.05, "{worst}");
 }
 
-/// A white panel that glows, close before a white wall: its light goes to and fro, and has an end.
-#[test]
-fn a_gap_between_white_surfaces_has_an_end() {
-    let mut scene = camera_at(DVec3::ZERO);
-    let white = Material { base_color: Rgb::ONE, ..Material::default() };
-    add_box(&mut scene, DVec3::new(-2.0, -2.0, -4.2), DVec3::new(2.0, 2.0, -4.0), white.clone());
-    let glowing = Material { emission: Rgb::ONE, ..white };
-    let low = DVec3::new(-0.6, -0.6, -3.999);
-    add_box(&mut scene, low, low + DVec3::new(1.2, 1.2, 0.1), glowing);
-    let trees = MeshTrees::new(&scene);
-    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
-    let snapshot = exposure.middle();
-    let indirect =
-        Indirect::new(&exposure, Bounces::All, 1.0, &KeptLight::default(), &|| false).expect("walls scatter");
-    for number in 0..64 {
-        let [x, y] = [number % 8, number / 8].map(|place| (f64::from(place) + 0.5) / 8.0);
-        let ray = snapshot.view.ray(x, y);
-        let Some(hit) = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None) else { continue };
-        let found = indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0);
-        assert!(found.is_finite() && found.max_element() < 20.0, "{found}");
-    }
-}
-
 /// A sheet that takes nothing of light, half of it through, in even light from all sides.
 #[test]
 fn light_comes_through_walls_that_transmit() {
