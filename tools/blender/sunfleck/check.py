@@ -14,15 +14,24 @@ from .materials import colours, dependence, links, principled
 
 def check(scene):
     """All findings, errors first."""
-    found = [*of_scene(scene), *of_cameras(scene)]
-    materials = set()
-    for thing in rendered(scene):
+    return ordered([*of_scene(scene), *of_cameras(scene), *of_objects(list(rendered(scene)), scene)])
+
+
+def of_shown(things, scene):
+    """Findings of objects that only nodes or a background set show; `things` are all that an export saw."""
+    settled = set(rendered(scene))
+    return of_objects([thing for thing in things if thing not in settled], scene)
+
+
+def of_objects(things, scene):
+    found, materials = [], set()
+    for thing in things:
         found += of_object(thing, scene)
         if not (thing.sunfleck_settings.is_fog or thing.type == "VOLUME"):
             materials.update(slot.material for slot in thing.material_slots if slot.material)
     for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material, scene.sunfleck_settings)
-    return ordered(found)
+    return found
 
 
 def rendered(scene):

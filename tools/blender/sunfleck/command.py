@@ -4,13 +4,15 @@ The functions are for scripts too: `from sunfleck import command; command.main([
 """
 
 import argparse
+import re
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
 
-from . import export, program, render
+from . import export, extras, program, render
 from .losses import by_kind
 
 _handle = None
@@ -24,7 +26,7 @@ def main(arguments: Sequence[str]) -> int:
     one = verbs.add_parser("export", help="write a .glb file")
     one.add_argument("output", type=Path)
     one = verbs.add_parser("render", help="export and render; further flags are those of `sunfleck render`")
-    one.add_argument("--folder", type=Path)
+    one.add_argument("--folder")
     verbs.add_parser("tools", help="`sunfleck-tools`, as they came with the extension", add_help=False)
     try:
         known, others = parser.parse_known_args(arguments)
@@ -32,6 +34,8 @@ def main(arguments: Sequence[str]) -> int:
             return do_tools(others)
         if others and known.verb != "render":
             parser.error(f"what is {' '.join(others)}?")
+        if any(word.split("=")[0] == "--out" for word in others):
+            parser.error("--folder, not --out, says where frames go")
     except SystemExit as stop:
         return int(stop.code or 0)
     scene = bpy.context.scene
@@ -64,23 +68,46 @@ def do_render(scene: bpy.types.Scene, known: argparse.Namespace, others: list[st
     if executable is None:
         print(f"error: {program.MISSING}", file=sys.stderr)
         return 4
-    folder = known.folder or export.default_folder(scene)
-    folder.mkdir(parents=True, exist_ok=True)
+    # `//` is the folder of the .blend file, as in Blender.
+    folder = Path(bpy.path.abspath(known.folder)).resolve() if known.folder else export.default_folder(scene)
+    export.make(folder)
     glb = folder / f"{folder.name}.glb"
     for warning in export.export(scene, glb):
         print(f"warning{warning}", file=sys.stderr)
     asked = {word.split("=")[0] for word in others}
-    own = [flag for flag in render.flags(scene, animation=True) if flag.split("=")[0] not in asked]
+    own = [flag for flag in render.flags(scene, animation=True, size=size_of(others, scene)) if flag.split("=")[0] not in asked]
     run = render.Run(executable, glb, folder, [*own, *others])
+    while not run.is_over():
+        tell(run)
+        time.sleep(render.LOOK_S)
     code: int = run.wait()
-    for news in run.news():
-        if news["event"] == "frame_written":
-            print(f"frame {news['frame']} written to {news['path']}")
+    tell(run)
     for warning in run.warnings():
         print(warning, file=sys.stderr)
     if code:
         print(run.error(), file=sys.stderr)
     return code
+
+
+def tell(run: render.Run) -> None:
+    """Prints frames that were written since the last call."""
+    for news in run.news():
+        if news["event"] == "frame_written":
+            print(f"frame {news['frame']} written to {news['path']}", flush=True)
+
+
+def size_of(words: Sequence[str], scene: bpy.types.Scene) -> tuple[int, int] | None:
+    """Width and height by the flag `--size`, for a render border; None without one that can be read."""
+    found = re.search(r"(?:^| )--size[= ](?:(\d+)x(\d+)|([\d.]+)%)(?: |$)", " ".join(words))
+    if not found:
+        return None
+    width, height, percent = found.groups()
+    if width:
+        return int(width), int(height)
+    sides: list[int] = extras.of_scene(scene)["sunfleck"]["resolution"]
+    # As the program rounds.
+    wide, high = (max(1, int(side * float(percent) / 100.0 + 0.5)) for side in sides)
+    return wide, high
 
 
 def do_tools(words: list[str]) -> int:

@@ -39,18 +39,38 @@ def exported(scene, path, only=None):
     """Writes the file, and reads it back."""
     # A script may just have set placements.
     walk.view_layer(scene).update()
+    if Path(path).suffix.lower() != ".glb":
+        raise NotExportable(f"{path} is not the name of a .glb file, which is what is written: let it end in .glb")
     findings = check.check(scene)
-    errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
-    if errors:
-        raise NotExportable("; ".join(errors))
+    refuse(findings)
     try:
         extras.store(scene, path)
         made = scenes.export(scene, path, only)
     # Blender raises `RuntimeError` with a message for users, for example about unwritable pictures.
     except (walk.Stopped, OSError, RuntimeError) as problem:
         raise NotExportable(str(problem).strip()) from problem
+    findings += check.of_shown(made.record.originals(), scene)
+    try:
+        refuse(findings)
+    except NotExportable:
+        Path(path).unlink()
+        raise
     expected, differences = made.compared(File(path))
     return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
+
+
+def refuse(findings):
+    errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
+    if errors:
+        raise NotExportable("; ".join(errors))
+
+
+def make(folder):
+    """Makes a folder of files and frames."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise NotExportable(f"the folder {folder} cannot be made: {problem.strerror}") from problem
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):

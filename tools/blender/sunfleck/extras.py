@@ -10,6 +10,7 @@ from urllib.parse import quote
 from . import film, fog, world
 from .evaluated import lights
 from .materials.colours import rec709
+from .stored import by_hand, is_by_hand, put
 
 # Shapes of Blender's area lights in sunfleck.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
@@ -80,7 +81,8 @@ def of_scene(scene, path=None):
         sky = world.of_world(scene, path)
     elif own.background_strength > 0.0:
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
-    if sky is None and (world.is_sky(scene) or not (world.shines(scene) or world.is_baked(scene))):
+    is_black = world.is_sky(scene) or not (world.shines(scene) or world.is_baked(scene))
+    if sky is None and is_black and not is_by_hand(scene, "sunfleck_env"):
         # Otherwise the program adds default light.
         sky = {"color": [0.0] * 3, "strength": 0.0}
     if sky:
@@ -111,11 +113,11 @@ def of_object(thing, scene, path=None):
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
         written["sunfleck_light"] = {
-            **plain(thing.get("sunfleck_light")),
+            **by_hand(thing).get("sunfleck_light", {}),
             **light(thing, film.exposure(scene)),
         }
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
-            name = world.on_the_sun(own.sun_image, Path(path), thing.name)
+            name = world.on_the_sun(own.sun_image, Path(path), thing.name_full)
             written["sunfleck_light"]["image"] = quote(name)
     return written
 
@@ -215,11 +217,6 @@ def of_material(material):
     return {"sunfleck_leaf": leaf}
 
 
-def plain(value):
-    """Custom property as a dictionary."""
-    return value.to_dict() if hasattr(value, "to_dict") else {}
-
-
 def store(scene, path=None):
     """Writes all properties, and images beside the future file."""
     put(scene, of_scene(scene, path))
@@ -230,16 +227,3 @@ def store(scene, path=None):
         for slot in thing.material_slots:
             if slot.material:
                 put(slot.material, of_material(slot.material))
-
-
-def put(owner, written):
-    """Writes properties, except to linked data; earlier ones of the add-on are removed."""
-    if owner.library is not None:
-        return
-    own = getattr(owner, "sunfleck_settings", None)
-    if own is not None and own.stored != " ".join(written):
-        for name in set(own.stored.split()) - written.keys():
-            owner.pop(name, None)
-        own.stored = " ".join(written)
-    for name, value in written.items():
-        owner[name] = value

@@ -7,6 +7,7 @@ beside the exported file, as those on suns. Invariant: the sky is the world at t
 import math
 import re
 import shutil
+import zlib
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
@@ -210,7 +211,9 @@ def copied(source, beside):
 
 def on_the_sun(image, path, name):
     """Name of a file beside `path` with the image of the sun `name`, unchanged."""
-    stem = f"{path.stem}_{re.sub(r'[^A-Za-z0-9]+', '_', name)}"
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", name)
+    # Names of other scripts would all be the same.
+    stem = f"{path.stem}_{plain}" + ("" if plain == name else f"_{zlib.crc32(name.encode()):08x}")
     source = source_of(image)
     if source and source.suffix.lower() in COLOURS_READ_AS_THEY_ARE:
         return copied(source, path.with_name(f"{stem}{source.suffix.lower()}"))

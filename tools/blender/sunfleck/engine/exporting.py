@@ -16,7 +16,7 @@ from .. import check, extras, film, render, service
 from ..evaluated import scenes, values, walk
 from ..evaluated.moments import Shutter
 from ..losses import Finding, ordered
-from ..materials.library import custom
+from ..stored import by_hand
 from . import passes, patching
 
 # Losses of files that do not apply here: Blender handles these itself, or each frame has its own.
@@ -94,7 +94,7 @@ def told(scene, layer):
     """Panel settings of a scene and its layer."""
     override = layer.material_override
     said = {"override": override and override.name_full, "film": film.exposure(scene)}
-    return {**custom(scene), **extras.of_scene(scene), **said}
+    return {**by_hand(scene), **extras.of_scene(scene), **said}
 
 
 def is_as_told(graph, kept):
@@ -122,7 +122,7 @@ def refuse(findings):
 
 def anew(engine, graph, path):
     scene, frame = graph.scene, graph.scene.frame_current
-    findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER | OF_EACH_FRAME]
+    findings = check.check(scene)
     lacking = passes.lacking(graph.view_layer)
     findings += [Finding("layer-passes", f"`{graph.view_layer.name}`", ", ".join(lacking))] if lacking else []
     refuse(findings)
@@ -130,10 +130,13 @@ def anew(engine, graph, path):
         with scenes.Job(scene, frame) as job:
             job.record.capture.heed = engine.heed
             see(engine, graph, job)
-            said = {**custom(scene), **extras.of_scene(scene, path)}
+            said = {**by_hand(scene), **extras.of_scene(scene, path)}
             made = job.written(path, graph.view_layer, copy.deepcopy(said))
     except (OSError, RuntimeError) as problem:
         raise NotRendered(str(problem).strip()) from problem
+    findings += check.of_shown(made.record.originals(), scene)
+    refuse(findings)
+    findings = [one for one in findings if one.id not in DONE_BY_BLENDER | OF_EACH_FRAME]
     return Kept(path, graph, made, ordered([*findings, *made.findings]), said)
 
 

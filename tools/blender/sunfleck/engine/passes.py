@@ -28,7 +28,8 @@ PASSES = {
     "position": Pass((POSITION,), "XYZ", "VECTOR", "use_pass_position"),
     "motion": Pass(("Vector",), "XYZW", "VECTOR", "use_pass_vector"),
     "cryptomatte": Pass(
-        tuple(f"CryptoObject{number:02}" for number in range(3)), "RGBA", "COLOR", "use_pass_cryptomatte_object"
+        # Blender compresses channels in small letters without loss, whatever the codec of the file.
+        tuple(f"CryptoObject{number:02}" for number in range(3)), "rgba", "COLOR", "use_pass_cryptomatte_object"
     ),
     "shafts": Pass(("shafts",), "RGB", "COLOR"),
     "transmittance": Pass(("transmittance",), "RGB", "COLOR"),
@@ -91,4 +92,4 @@ def channels_of(name: str, count: int) -> tuple[str, ...]:
     if name == "Depth":
         return ("Z",)
     channels = next((one.channels for one in PASSES.values() if name in one.names), "")
-    return tuple(f"{name}.{channel}" for channel in channels)
+    return tuple(f"{name}.{channel.upper()}" for channel in channels)

@@ -11,7 +11,7 @@ import numpy
 
 from .. import extras, program, service
 from ..evaluated import scenes
-from ..materials.library import custom
+from ..stored import by_hand
 from . import picture
 from . import patching
 from .exporting import Kept, folder, told
@@ -81,7 +81,7 @@ class Viewport:
         self.path = folder() / f"{NAME}_{id(self)}.glb"
         with scenes.Job(scene, scene.frame_current) as job:
             job.visit(graph, scene.frame_current, 0.0)
-            said = {**custom(scene), **extras.of_scene(scene, self.path)}
+            said = {**by_hand(scene), **extras.of_scene(scene, self.path)}
             made = job.written(self.path, graph.view_layer, copy.deepcopy(said))
         return Kept(self.path, graph, made, [], said)
 

@@ -235,7 +235,10 @@ class Assembly:
             for key, thing in self.record.things.items()
             if thing.instancer is None
         }
+        said = self.document.scene_extras.setdefault("sunfleck", {})
         if len(eyes) == 1 and names.get(views[0].eye):
+            # Blender's own name may be that of a camera of another library.
+            said["camera"] = names[views[0].eye]
             return
         node = {"name": "camera of markers" if len(eyes) > 1 else views[0].eye.name}
         number = self.nodes["view"] = self.document.add("nodes", node)
@@ -245,7 +248,7 @@ class Assembly:
         self.look(node, None, views[0].said)
         for view in views:
             values.see("view", view.time, view.fields)
-        self.document.scene_extras.setdefault("sunfleck", {})["camera"] = node["name"]
+        said["camera"] = node["name"]
 
     def look(self, node, thing, said):
         if said.camera is None:

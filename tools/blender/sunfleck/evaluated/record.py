@@ -11,6 +11,7 @@ import numpy
 
 from ..film import of_cycles
 from ..materials import instances
+from ..stored import is_by_hand
 from .capture import Capture
 from .moments import steps_of
 from .volumes import Volumes
@@ -204,6 +205,10 @@ class Record:
         found.rows.append(found.rows[-1] if is_held else self.first_rows[-1] + seen.row)
         found.shown.append(shown)
 
+    def originals(self):
+        """Objects that are shown at some moment, each once, in order."""
+        return list(dict.fromkeys(thing.object for thing in self.things.values()))
+
     def places(self, thing):
         """Placements at each moment, (moments, 4, 4)."""
         return self.all_matrices[thing.rows].astype(float)
@@ -228,5 +233,5 @@ class Record:
 def holds_fog(thing):
     """Whether an object is fog, whose mesh only shows its place to the author."""
     return thing.type in {"EMPTY", "MESH"} and (
-        thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing
+        thing.sunfleck_settings.is_fog or is_by_hand(thing, "sunfleck_fog_volume")
     )

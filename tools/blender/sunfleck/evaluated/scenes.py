@@ -7,7 +7,8 @@ import bpy
 
 from .. import extras, film, world, world_sun
 from ..losses import Finding
-from ..materials.library import Library, custom
+from ..materials.library import Library
+from ..stored import by_hand, custom
 from . import coincident, counts, walk
 from .assemble import Assembly
 from .moments import Clock, Shutter, frames, seconds_a_frame
@@ -137,7 +138,7 @@ def properties(thing, scene, path, evaluated):
     """Custom properties of an object's node: its own, and the add-on's, even where they cannot be stored
     (linked libraries, objects that only instances show). Changing ones are evaluated. A portal is not a
     light."""
-    found = {**custom(thing.object), **extras.of_object(thing.object, scene, path)}
+    found = {**by_hand(thing.object), **extras.of_object(thing.object, scene, path)}
     for name, said in evaluated.items():
         found[name] = {**found.get(name, {}), **said} if isinstance(said, dict) else said
     if thing.kind == "EMPTY" and thing.object.type == "LIGHT":

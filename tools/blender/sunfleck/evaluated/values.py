@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy
 
 from .. import extras, film, fog
-from ..materials.library import custom
+from ..stored import by_hand
 from . import cameras, lights, thinning
 from .moments import steps_of
 
@@ -113,7 +113,7 @@ class Values:
 
 def lens(thing, scene):
     """glTF's camera parameters, with the custom properties."""
-    own = {**custom(thing.data), **extras.of_camera(thing.data, scene, thing)}
+    own = {**by_hand(thing.data), **extras.of_camera(thing.data, scene, thing)}
     return SimpleNamespace(camera=cameras.camera(thing.data, scene), extras=own)
 
 

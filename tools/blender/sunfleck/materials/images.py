@@ -142,9 +142,9 @@ def is_plain(image):
 
 
 def has_codes(picture):
-    """Whether Cycles interpolates its colours as stored: in 8 bits."""
+    """Whether Cycles interpolates its colours as stored in sRGB."""
     image = picture and picture.image
-    return image is not None and hasattr(image, "is_float") and not image.is_float and image.colorspace_settings.name in IN_SRGB
+    return image is not None and not hasattr(image, "values_of_texels") and image.colorspace_settings.name in IN_SRGB
 
 
 def wants_depth(image, is_color):

@@ -4,13 +4,13 @@ In go materials and their geometries, out come indices. Invariant: every request
 exact, or its losses.
 """
 
-import json
 
 import bpy
 
 from .. import extras
 from ..film import of_cycles
 from ..losses import Finding
+from ..stored import by_hand
 from ..evaluated.attributes import GENERATED
 from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
@@ -201,7 +201,7 @@ class Library:
         ):
             writer.losses.append("normal-map-uv")
         look.losses = sorted({*look.losses, *writer.losses})
-        written = {**custom(material), **extras.of_material(material)} if material is not None else {}
+        written = {**by_hand(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
         if surface.shine_takes:
             ours["coat_takes"] = list(surface.shine_takes)
@@ -292,15 +292,3 @@ class Library:
 
     def is_shown(self, material):
         return any(key[0] == material for key in self.numbers)
-
-
-def custom(owner):
-    """Custom properties that JSON can hold."""
-    found = {}
-    for name, value in owner.items():
-        plain = getattr(value, "to_dict", None) or getattr(value, "to_list", None)
-        try:
-            found[name] = json.loads(json.dumps(plain() if plain else value, allow_nan=False))
-        except (TypeError, ValueError):
-            continue
-    return found
