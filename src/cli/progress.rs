@@ -4,8 +4,9 @@
 use super::words::ProgressArgument;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
+use signal_hook::consts::SIGTERM;
 use std::collections::BTreeMap;
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -132,8 +133,15 @@ impl Progress {
 
     fn line(&self, line: &str) {
         let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
-        // A closed pipe is ignored; the frames are written all the same.
-        let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+        let written = writeln!(out, "{line}").and_then(|()| out.flush());
+        // The program that reads, such as a killed Blender, is gone, and nobody else knows of this run.
+        if self.is_for_programs() && written.is_err_and(|error| error.kind() == ErrorKind::BrokenPipe) {
+            let _ = signal_hook::low_level::raise(SIGTERM);
+        }
+    }
+
+    fn is_for_programs(&self) -> bool {
+        matches!(self.style, ProgressArgument::Jsonl | ProgressArgument::Openjd)
     }
 }
 

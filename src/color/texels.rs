@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 #[derive(Clone, Debug)]
 pub struct Texels {
     stored: Stored,
-    /// Whether interpolation of 8-bit texels mixes codes, and not light.
+    /// Whether interpolation mixes sRGB codes, and not light.
     pub(crate) mixes_codes: bool,
 }
 
@@ -48,10 +48,10 @@ impl Texels {
         Self { stored, mixes_codes: false }
     }
 
-    /// Interpolates 8-bit sRGB colours by their codes, as Cycles does (`svm_image_texture` in its
-    /// `kernel/svm/image.h` decodes after interpolation).
+    /// Interpolates sRGB colours by their codes, as Cycles does (`svm_image_texture` in its
+    /// `kernel/svm/image.h` decodes after interpolation). Linear light stays as it is.
     pub fn mix_codes(&mut self) {
-        self.mixes_codes = matches!(self.stored, Stored::Bytes { .. });
+        self.mixes_codes = !matches!(self.stored, Stored::Floats(_));
     }
 
     /// Bilinear interpolation of four texels, row by row, at a fraction of the way from the first to the
@@ -62,28 +62,23 @@ impl Texels {
     #[inline]
     pub fn between(&self, indices: [usize; 4], DVec2 { x, y }: DVec2) -> DVec4 {
         let mix = |[a, b, c, d]: [DVec4; 4]| a.lerp(b, x).lerp(c.lerp(d, x), y);
-        let (codes, numbers) = match &self.stored {
-            Stored::Bytes { codes, numbers, .. } if self.mixes_codes => (codes, *numbers),
+        match &self.stored {
+            Stored::Bytes { codes, numbers, .. } if self.mixes_codes => {
+                light_of_words(257.0 * mix(indices.map(|index| numbers_of(texel(codes, *numbers, index)))))
+            }
+            Stored::Words { codes, .. } if self.mixes_codes => {
+                light_of_words(mix(indices.map(|index| numbers_of(texel(codes, 4, index)))))
+            }
             Stored::Bytes { codes, numbers, curve } => {
                 let texel = |index: usize| {
                     let [a, b, c, d] = light(texel(codes, *numbers, index), curve);
                     DVec4::new(a.into(), b.into(), c.into(), d.into())
                 };
                 let [a, b, c, d] = indices;
-                return mix([texel(a), texel(b), texel(c), texel(d)]);
+                mix([texel(a), texel(b), texel(c), texel(d)])
             }
-            _ => {
-                let texel = |index: usize| DVec4::from_array(self.get(index).map(f64::from));
-                return mix(indices.map(texel));
-            }
-        };
-        let code = |index: usize| {
-            let texel = texel(codes, numbers, index);
-            [0, 1, 2, 3].map(|channel| f64::from(*texel.get(channel).unwrap_or(&u8::MAX)))
-        };
-        let [red, green, blue, alpha] = mix(indices.map(|index| DVec4::from_array(code(index)))).to_array();
-        let light = |code: f64| f64::from(SRGB_WORDS[(257.0 * code).round() as usize]);
-        DVec4::new(light(red), light(green), light(blue), alpha / 255.0)
+            _ => mix(indices.map(|index| DVec4::from_array(self.get(index).map(f64::from)))),
+        }
     }
 
     /// The first byte of a texel of bytes.
@@ -166,6 +161,24 @@ fn texel<T>(codes: &[T], numbers: usize, index: usize) -> &[T] {
     &codes[numbers * index..][..numbers]
 }
 
+/// Codes of a texel, with the largest for an alpha that it lacks.
+#[inline(always)]
+fn numbers_of<T: Copy + Into<u16>>(texel: &[T]) -> DVec4 {
+    let number = |channel: usize| -> f64 {
+        let code: u16 = texel[channel].into();
+        code.into()
+    };
+    let opaque = f64::from(if size_of::<T>() == 1 { u8::MAX.into() } else { u16::MAX });
+    DVec4::new(number(0), number(1), number(2), texel.get(3).map_or(opaque, |_| number(3)))
+}
+
+/// Light of mixed sRGB codes of 16 bits.
+#[inline(always)]
+fn light_of_words(codes: DVec4) -> DVec4 {
+    let light = |code: f64| f64::from(SRGB_WORDS[code.round() as usize]);
+    DVec4::new(light(codes.x), light(codes.y), light(codes.z), codes.w / f64::from(u16::MAX))
+}
+
 /// Colour by its curve, alpha as a share of the largest code, which is the curve's last; 1 without alpha.
 #[inline(always)]
 fn light<T: Copy + Into<u16>>(texel: &[T], curve: &[f32]) -> [f32; 4] {
@@ -231,12 +244,19 @@ mod tests {
 
     #[test]
     fn codes_are_mixed_where_that_is_wanted() {
-        let mut texels = Texels::of_bytes(vec![0, 0, 0, 0, 255, 255, 255, 255], CodeCurve::Srgb);
-        let halfway = |texels: &Texels| texels.between([0, 1, 0, 1], DVec2::new(0.5, 0.3));
-        assert_eq!(halfway(&texels), DVec4::splat(0.5));
-        texels.mix_codes();
-        let [red, .., alpha] = halfway(&texels).to_array();
-        assert!((red - linear_from_srgb(0.5)).abs() < 1e-4 && alpha == 0.5, "{red} {alpha}");
+        let bytes = Texels::of_bytes(vec![0, 0, 0, 0, 255, 255, 255, 255], CodeCurve::Srgb);
+        let words =
+            Texels::of_words([0, u16::MAX].into_iter().flat_map(|code| [code; 4]).collect(), CodeCurve::Srgb);
+        for mut texels in [bytes, words] {
+            let halfway = |texels: &Texels| texels.between([0, 1, 0, 1], DVec2::new(0.5, 0.3));
+            assert_eq!(halfway(&texels), DVec4::splat(0.5));
+            texels.mix_codes();
+            let [red, .., alpha] = halfway(&texels).to_array();
+            assert!(
+                (red - linear_from_srgb(0.5)).abs() < 1e-4 && (alpha - 0.5).abs() < 1e-9,
+                "{red} {alpha}"
+            );
+        }
     }
 
     #[test]

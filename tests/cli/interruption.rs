@@ -52,6 +52,21 @@ fn an_interrupted_run_leaves_whole_frames_and_can_go_on() {
     assert_completes(&studio);
 }
 
+/// Nobody else knows of a run whose reader, such as Blender or an agent of a farm, was killed.
+#[test]
+fn a_run_ends_with_the_program_that_reads_its_events() {
+    let studio = Studio::new();
+    for style in ["jsonl", "openjd"] {
+        let line = format!(
+            "render tiny.ron --frames 1-6 --samples 512 --threads 1 --progress {style} --out {style}/"
+        );
+        let mut run = studio.command(&line).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        drop(run.stdout.take());
+        assert_eq!(run.wait().unwrap().code(), Some(143), "{style}");
+        assert!(studio.names(style).len() < 6, "{style}");
+    }
+}
+
 #[test]
 fn a_terminated_run_says_so() {
     let studio = Studio::new();

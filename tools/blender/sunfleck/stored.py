@@ -5,14 +5,11 @@ earlier is never mistaken for a property written by hand, whatever has been unti
 """
 
 import json
+from collections.abc import Iterator
+from typing import Any
 
 
-def plain(value):
-    """Custom property as a dictionary."""
-    return value.to_dict() if hasattr(value, "to_dict") else {}
-
-
-def custom(owner):
+def custom(owner: Any) -> dict[str, Any]:
     """All custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
@@ -24,9 +21,10 @@ def custom(owner):
     return found
 
 
-def by_hand(owner):
+def by_hand(owner: Any) -> dict[str, Any]:
     """Those of `custom`, and of their fields, that no export wrote."""
-    ours, found = of_exports(owner), {}
+    ours = of_exports(owner)
+    found: dict[str, Any] = {}
     for name, value in custom(owner).items():
         if name in ours:
             continue
@@ -39,30 +37,36 @@ def by_hand(owner):
     return found
 
 
-def is_by_hand(owner, name):
+def is_by_hand(owner: Any, name: str) -> bool:
     """Whether there is a property of that name that no export wrote."""
     return name in owner and name not in {one.split(".")[0] for one in of_exports(owner)}
 
 
-def of_exports(owner):
+def of_exports(owner: Any) -> set[str]:
     """Names of properties, or of their fields as `name.field`, that the last export wrote."""
     own = getattr(owner, "sunfleck_settings", None)
     return set(own.stored.split()) if own is not None else set()
 
 
-def put(owner, written):
+def put(owner: Any, written: dict[str, Any]) -> None:
     """Writes properties, except to linked data; earlier ones of the add-on are removed."""
     if owner.library is not None:
         return
-    own = getattr(owner, "sunfleck_settings", None)
-    said = " ".join(
-        f"{name}.{field}" if field else name
-        for name, value in written.items()
-        for field in (value if isinstance(value, dict) else [""])
-    )
+    own, kept = getattr(owner, "sunfleck_settings", None), by_hand(owner)
+    said = " ".join(names(written, kept))
     if own is not None and own.stored != said:
         for name in {one.split(".")[0] for one in of_exports(owner)} - written.keys():
             owner.pop(name, None)
         own.stored = said
     for name, value in written.items():
         owner[name] = value
+
+
+def names(written: dict[str, Any], kept: dict[str, Any]) -> Iterator[str]:
+    """Names for `stored`, without fields that only repeat what is written by hand."""
+    for name, value in written.items():
+        if not isinstance(value, dict):
+            yield name
+            continue
+        by_others = kept.get(name, {})
+        yield from (f"{name}.{field}" for field, one in value.items() if field not in by_others or by_others[field] != one)

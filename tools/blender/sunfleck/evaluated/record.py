@@ -135,8 +135,8 @@ class Record:
         self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
         self.changes = not set(self.questions) <= instances.STILL
         self.things, self.volumes = {}, Volumes(seconds_a_frame > 0.0)
-        # Ids of losses and names of objects with unsupported or converted shapes.
-        self.shapes = set()
+        # Ids of losses and names of objects with unsupported or converted shapes; all objects, in order.
+        self.shapes, self.met = set(), {}
         # For each moment: frame and offset, placements of all instances, first rows, rows by geometry, and
         # lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
@@ -166,6 +166,8 @@ class Record:
             source = here.source(instance, thing)
             if not self.shutter.is_step(offset, source.steps):
                 continue
+            if instance.show_self:
+                self.met[source.original] = None
             if source.kind in BLURRED and not source.bends:
                 self.sharp.add(source.original.name)
             if instance.show_self and thing.type in SHAPES:
@@ -206,8 +208,8 @@ class Record:
         found.shown.append(shown)
 
     def originals(self):
-        """Objects that are shown at some moment, each once, in order."""
-        return list(dict.fromkeys(thing.object for thing in self.things.values()))
+        """Objects that are shown at some moment, whether or not the file can have them."""
+        return list(self.met)
 
     def places(self, thing):
         """Placements at each moment, (moments, 4, 4)."""

@@ -12,6 +12,7 @@ from .. import extras, film, fog
 from ..stored import by_hand
 from . import cameras, lights, thinning
 from .moments import steps_of
+from .walk import STAND_IN
 
 # Tolerance relative to a value, above the 6e-8 of single precision.
 TOLERANCE = 1e-6
@@ -42,7 +43,8 @@ class Values:
 
     def see_scene(self, graph, frame, offset):
         eye = self.scene.camera
-        if eye is not None and eye.type == "CAMERA" and self.shutter.is_step(offset, steps := steps_of(eye)):
+        is_there = eye is not None and eye.type == "CAMERA" and STAND_IN not in eye.data
+        if is_there and self.shutter.is_step(offset, steps := steps_of(eye)):
             view = View(frame + offset, eye, eye.evaluated_get(graph), self.scene)
             if self.shutter.holds(offset, steps):
                 view.matrix = self.views[-1].matrix

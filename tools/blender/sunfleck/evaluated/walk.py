@@ -19,6 +19,10 @@ from .moments import Shutter, steps_of
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
 
 
+# Property of the camera without which Blender does not render.
+STAND_IN = "sunfleck_stand_in"
+
+
 class Stopped(Exception):
     """Blender was stopped before the last frame."""
 
@@ -125,6 +129,7 @@ def a_camera(scene: bpy.types.Scene) -> Iterator[None]:
         yield
         return
     data = bpy.data.cameras.new("sunfleck walk")
+    data[STAND_IN] = True
     scene.camera = bpy.data.objects.new("sunfleck walk", data)
     scene.camera.hide_render = True
     scene.collection.objects.link(scene.camera)

@@ -1,0 +1,127 @@
+"""Custom properties that exports leave behind, names that two things share, and losses of what only nodes show.
+
+Run with the other tests here (test_addon.py says how).
+"""
+
+import contextlib
+import io
+import unittest
+
+import bpy
+import scenes
+from sunfleck import check, command, export, extras, stored, world
+from sunfleck.engine import passes
+from test_addon import Case, document
+
+
+def light(kind):
+    data = bpy.data.lights.new("lamp", kind)
+    lamp = bpy.data.objects.new("lamp", data)
+    bpy.context.scene.collection.objects.link(lamp)
+    return lamp
+
+
+class Left(Case):
+    def said(self, owner):
+        return {**stored.by_hand(owner), **extras.of_object(owner, self.scene)}
+
+    def test_what_is_unticked_is_gone_though_an_export_wrote_it(self):
+        box = scenes.quad(self.scene, "quad", 1.0, None)
+        box["own"], box.sunfleck_settings.is_fog = 7, True
+        extras.store(self.scene)
+        self.assertIn("sunfleck_fog_volume", box)
+        box.sunfleck_settings.is_fog = False
+        self.assertEqual(self.said(box), {"own": 7})
+        self.assertFalse(stored.is_by_hand(box, "sunfleck_fog_volume"))
+
+    def test_a_light_of_another_kind_keeps_what_is_written_by_hand_alone(self):
+        lamp = light("AREA")
+        lamp["sunfleck_light"] = {"my_field": 3}
+        extras.store(self.scene)
+        lamp.data.type = "POINT"
+        fresh = extras.light(lamp, 1.0)
+        self.assertEqual(self.said(lamp)["sunfleck_light"], {"my_field": 3, **fresh})
+
+    def test_a_sky_by_hand_stays(self):
+        self.scene["sunfleck_env"] = {"color": [0.1, 0.2, 0.3], "strength": 1.0}
+        extras.store(self.scene)
+        self.assertEqual(list(self.scene["sunfleck_env"]["color"]), [0.1, 0.2, 0.3])
+
+
+class Names(Case):
+    def test_suns_in_other_scripts_have_files_of_their_own(self):
+        image = bpy.data.images.new("disc", 2, 2)
+        names = {world.on_the_sun(image, self.folder / "s.glb", name) for name in ("太陽", "月", "sun.001", "sun 001", "sun")}
+        self.assertEqual(len(names), 5)
+        self.assertIn("s_sun.png", names)
+
+    def test_the_camera_that_renders_is_the_one_in_the_file(self):
+        eye, library = scenes.camera(self.scene), self.folder / "lib.blend"
+        bpy.data.libraries.write(str(library), {eye})
+        with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+            wanted.objects = [eye.name]
+        linked = wanted.objects[0]
+        self.scene.collection.objects.link(linked)
+        self.assertEqual(linked.name, eye.name)
+        self.scene.camera = linked
+        path = self.folder / "scene.glb"
+        export.export(self.scene, path)
+        said = document(path)
+        nodes = [node["name"] for node in said["nodes"] if "camera" in node]
+        self.assertEqual(len(set(nodes)), 2)
+        self.assertEqual(said["scenes"][0]["extras"]["sunfleck"]["camera"], "camera 2")
+
+
+class Unseen(Case):
+    def test_losses_of_what_only_nodes_show_are_told(self):
+        apart = bpy.data.collections.new("apart")
+        lamp = bpy.data.objects.new("spot", bpy.data.lights.new("spot", "SPOT"))
+        lamp.data.use_square = True
+        apart.objects.link(lamp)
+        host = scenes.quad(self.scene, "quad", 1.0, None)
+        group = bpy.data.node_groups.new("shows", "GeometryNodeTree")
+        for side in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+        of, out = group.nodes.new("GeometryNodeCollectionInfo"), group.nodes.new("NodeGroupOutput")
+        of.inputs["Collection"].default_value = apart
+        group.links.new(of.outputs["Instances"], out.inputs[0])
+        host.modifiers.new("shows", "NODES").node_group = group
+        self.assertNotIn("light-square", {one.id for one in check.check(self.scene)})
+        self.assertIn("light-square", {one.id for one in export.exported(self.scene, self.folder / "a.glb").findings})
+
+
+    def test_a_scene_without_a_camera_is_exported_all_the_same(self):
+        self.scene.camera = None
+        path = self.folder / "scene.glb"
+        self.assertIn("no-camera", {one.id for one in export.exported(self.scene, path).findings})
+        self.assertFalse([node for node in document(path).get("nodes", []) if "camera" in node])
+
+
+class Command(Case):
+    def main(self, *words):
+        with contextlib.redirect_stderr(io.StringIO()) as told:
+            code = command.main([str(word) for word in words])
+        return code, told.getvalue()
+
+    def test_names_that_cannot_be_are_refused_in_words(self):
+        taken = self.folder / "taken"
+        taken.write_text("")
+        for words, part in (
+            (("render", "--folder", taken), "cannot be made"),
+            (("export", self.folder / "scene.gltf"), "let it end in .glb"),
+            (("render", "--out", "x.exr"), "--folder, not --out"),
+        ):
+            code, told = self.main(*words)
+            self.assertNotEqual(code, 0)
+            self.assertIn(part, told)
+
+    def test_a_border_is_of_the_size_that_is_rendered(self):
+        self.scene.render.resolution_x, self.scene.render.resolution_y = 33, 18
+        for words, size in (("--size 50%", (17, 9)), ("--size=64x36", (64, 36)), ("--samples 3", None)):
+            self.assertEqual(command.size_of(words.split(), self.scene), size)
+
+
+class Passes(unittest.TestCase):
+    def test_ids_are_in_channels_that_blender_never_compresses_with_loss(self):
+        self.assertEqual(passes.PASSES["cryptomatte"].channels, "rgba")
+        self.assertEqual(passes.channels_of("CryptoObject00", 4), tuple(f"CryptoObject00.{one}" for one in "RGBA"))
