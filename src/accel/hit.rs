@@ -1,5 +1,4 @@
-//! Hits of rays, as names for the answers of all queries. Invariant: a hit's barycentrics lie in the
-//! triangle.
+//! Hits: answers of ray queries. Invariant: a hit's barycentrics lie in its triangle.
 
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,12 +1,12 @@
-//! Hints of what will be read soon. In goes a reference, and memory begins to come. Invariant: nothing else
-//! happens.
+//! Prefetch hints. In goes a reference, and the processor begins to load its memory. Invariant: no result
+//! depends on a hint.
 #![allow(unsafe_code, reason = "a hint to the processor, which can do no harm")]
 
-/// Bytes that come from memory together.
+/// Bytes that are loaded together.
 #[cfg(target_arch = "x86_64")]
 const CACHE_LINE: usize = 64;
 
-/// Asks for memory that will be read soon.
+/// Loads memory ahead of its use.
 #[inline(always)]
 pub fn prefetch<T>(soon_read: &T) {
     #[cfg(target_arch = "x86_64")]

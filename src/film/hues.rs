@@ -76,8 +76,8 @@ fn add(sums: &mut [PixelSum; 3], color: Rgb) {
 
 /// Estimate under the whole light from points with the mean hue `hue`.
 ///
-/// Where the mean hue of a channel is above 1, the sum is divided by it (the ratio estimate: Cochran 1977,
-/// "Sampling Techniques", 6.2). Where it is below 1, and perhaps 0, the missing share is added without hues
+/// If the mean hue of a channel is above 1, the sum is divided by it (the ratio estimate: Cochran 1977,
+/// "Sampling Techniques", 6.2). If it is below 1, and perhaps 0, the missing share is added without hues
 /// (the difference estimate, 7.1). Neither is negative, and both are exact if all points are equally visible.
 /// Else their error is the covariance of visibility and hue, and falls with the number of samples.
 fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {

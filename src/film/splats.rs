@@ -1,5 +1,5 @@
-//! Samples on their way to a film. In go samples, out come the packed numbers that the film keeps of each.
-//! Invariant: samples stay in order, and so the rounding of sums.
+//! Samples packed for a film. In go samples, out come the numbers that the film keeps of each. Invariant:
+//! samples stay in order, so sums are rounded alike.
 
 use super::frame::BEAUTY;
 use super::hues::{self, HueSums};

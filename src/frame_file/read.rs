@@ -36,7 +36,7 @@ pub struct FrameFile {
     pub pixel_aspect: f64,
 }
 
-/// Maximum width of a pixel by its height, and height by its width. What is beyond is taken for a mistake.
+/// Maximum width of a pixel by its height, and height by its width. Larger ratios count as mistakes.
 const WIDEST_PIXEL: f64 = 16.0;
 
 impl FrameFile {

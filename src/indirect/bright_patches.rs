@@ -15,7 +15,7 @@ use crate::snapshot::Luminaire;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Radiance relative to the mean of all patches from which a patch is bright. What is above it goes by rays,
+/// Radiance relative to the mean of all patches from which a patch is bright. Only the excess goes by rays,
 /// so that nothing jumps where a patch becomes bright.
 const BRIGHT: f64 = 16.0;
 /// Minimum component of a bright patch's normal along an axis of the grid. An oblique wall has more or fewer

@@ -43,7 +43,7 @@ const LARGER: f64 = 1.01;
 /// extends to them. So walls around leaves lie within the grid, or well beyond its rim, where nothing cuts
 /// light off.
 const NEAR: f64 = 0.25;
-/// Maximum length of shadows that count beside layers, in heights of what casts them.
+/// Maximum length of shadows that count beside layers, in heights of the objects that cast them.
 const LONGEST_SHADOW: f64 = 4.0;
 /// Optical depth to which unbounded fog counts; the depth to `NEARLY_ALL` of it if that is less.
 const FOG_DEPTH: f64 = 4.0;

@@ -49,9 +49,10 @@ impl Square {
         of_triangle(a, b, c) + of_triangle(a, c, d)
     }
 
-    /// Integral of the cosine to a normal over the solid angle of what lies before a point, sr: the sum over
-    /// edges of the angles that they subtend times cosines of their planes (Lambert 1760, "Photometria"; Arvo
-    /// 1995, "Applications of irradiance tensors to the simulation of non-Lambertian phenomena").
+    /// Integral of the cosine to a normal over the solid angle of the square, sr, as far as that lies before
+    /// the point. It is the sum over edges of the angles that they subtend times cosines of their planes
+    /// (Lambert 1760, "Photometria"; Arvo 1995, "Applications of irradiance tensors to the simulation of
+    /// non-Lambertian phenomena").
     fn projected_solid_angle(&self, from: DVec3, normal: DVec3) -> f64 {
         let corners = self.corners(from);
         let mut before = Vec::with_capacity(5);

@@ -1,7 +1,7 @@
-//! Spans of numbers without gaps. In go numbers and where spans of them begin, out come the same spans, one
-//! behind the other. Invariant: threads that write spans into rows of zeros leave no page half full.
+//! Compaction of a list. In go numbers and the first index of each span to keep, out come the spans without
+//! gaps between them. Invariant: order and values of the spans stay.
 
-/// Moves spans together, in their order, each with its first index and its count; gives the rest back.
+/// Moves spans together, each given by its first index and its count; frees the remaining memory.
 pub fn close_up<'a>(numbers: &mut Vec<u16>, spans: impl Iterator<Item = (&'a mut u32, usize)>) {
     let mut end = 0;
     for (first, count) in spans {

@@ -1,6 +1,6 @@
 //! Light of bright walls. In go their radiance and the irradiance that they give all walls, out come their
 //! sweep and the second scattering. Invariant: faces of walls get none of it from that sweep, as ordinates
-//! would spread it in rays of their own (ray effects, Lewis & Miller 1984, section 4-6).
+//! would spread it in beams (ray effects, Lewis & Miller 1984, section 4-6).
 
 use super::angle_set::SweepSource;
 use super::boundary::BoundaryCondition;
@@ -14,7 +14,7 @@ use super::wanted::Wanted;
 use crate::color::Rgb;
 
 impl Problem<'_> {
-    /// Sweeps the light of bright walls; returns with it what the medium and walls scatter of it.
+    /// Sweeps the light of bright walls. Returns it with the light that medium and walls scatter of it.
     pub(super) fn sweep_bright(
         &self,
         sweeper: &mut Sweeper,
@@ -55,8 +55,8 @@ impl Solution {
 }
 
 impl Walls {
-    /// Irradiance on each face: that of moments of light, with the part `swept` replaced by what is known of
-    /// patches.
+    /// Irradiance on each face: that of moments of light, with the part `swept` replaced by the known
+    /// irradiance of patches.
     pub(crate) fn on_faces(&self, light: &NodeMoments, known: Option<&(Moments, Vec<Rgb>)>) -> Vec<[f32; 3]> {
         let mut on_faces = self.faces.irradiances(light);
         let Some((swept, irradiances)) = known else { return on_faces };

@@ -1,4 +1,4 @@
-//! Quadrature for layers over ground. In goes nothing, out come ordinates in rings around the vertical.
+//! Quadrature for layers over ground. Out come ordinates in rings around the vertical.
 //! Invariant: no ordinate is horizontal. Half spheres are integrated apart, so radiance may jump at the
 //! horizon.
 //!

@@ -31,8 +31,8 @@ pub(crate) struct FirstCollisionSource {
     pub(crate) bright: Option<BrightWalls>,
 }
 
-/// Walls so much brighter than others that ordinates would spread their light in rays: what they give other
-/// walls is known. The rest of the source lacks their light.
+/// Walls so much brighter than others that ordinates would spread their light in beams. Irradiance that they
+/// give other walls is known. The rest of the source lacks their light.
 pub(crate) struct BrightWalls {
     /// Radiance of each patch of wall, 0 for those that are not bright.
     pub(crate) radiances: Vec<Rgb>,

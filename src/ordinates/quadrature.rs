@@ -1,5 +1,5 @@
-//! Angular quadrature: the ordinates along which light is swept. In goes nothing, out come unit vectors and
-//! their solid angles. Invariant: each direction has its opposite, and polynomials of the direction up to
+//! Angular quadrature: the ordinates along which light is swept. Out come unit vectors and their solid
+//! angles. Invariant: each direction has its opposite, and polynomials of the direction up to
 //! degree 11 are integrated exactly.
 
 use crate::math::gauss_legendre;

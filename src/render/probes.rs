@@ -28,11 +28,11 @@ pub(super) struct Probe {
     pub(super) grid: [Rgb; PASSES],
     /// Number of random points of the walk, as its length.
     pub(super) drawn: u32,
-    /// What the walk met, until walks have learned where light is.
+    /// Sunlit points that the walk met, until beams are learned.
     pub(super) noted: Noted,
 }
 
-/// Density of probes, the number of walks that branch off each, and where these look for light.
+/// Density of probes, the number of walks that branch off each, and beams that guide these.
 pub(super) struct Plan {
     pub(super) importance: Importance,
     pub(super) branches: Branches,

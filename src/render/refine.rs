@@ -64,7 +64,7 @@ pub(super) struct Goal<'a> {
 pub(super) struct Budget {
     /// Share of this component.
     pub(super) share: f64,
-    /// Sum of that and of the shares of the components before: it may use what they have left.
+    /// Sum of that and of the shares of the components before, whose rest it may use.
     pub(super) share_so_far: f64,
     /// Sum of the components before, block by block; empty if there are none.
     pub(super) before: Vec<BlockEstimate>,
@@ -247,9 +247,9 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 
     /// A pixel goes on with its block unless it and its neighbours have a negligible part of the block's
-    /// variance: a pixel that missed an edge by chance lies next to one that did not. What is much narrower
-    /// than a pixel, such as sunlight through a slit, is missed by several: where few samples found light,
-    /// the whole block goes on.
+    /// variance: a pixel that missed an edge by chance lies next to one that did not. Several pixels miss
+    /// detail much narrower than a pixel, such as sunlight through a slit. So if few samples found light, the
+    /// whole block goes on.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
         let negligible = |block: usize| NEGLIGIBLE * goal.variance(&judgement.estimates.blocks[block], block);

@@ -188,8 +188,8 @@ mod tests {
         Motion::Still(DAffine3::from_translation(place))
     }
 
-    /// How far corners lie from the picture's middle at a frame, by half its width and height, right and up;
-    /// all must be before the camera.
+    /// Offsets of corners from the picture's middle at a frame, right and up, in halves of its width and
+    /// height; all must be before the camera.
     fn places(scene: &Scene, settings: &RenderSettings, frame: f64) -> Vec<DVec2> {
         let time_s = settings.frame_rate.seconds(frame);
         let placements = scene.placements(time_s);

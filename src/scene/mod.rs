@@ -174,7 +174,7 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// That of the world itself.
+    /// Placement of the world itself.
     const ROOT: Self = Self { world_from_node: DAffine3::IDENTITY, visible: true };
 
     /// Placement of a node below this one.

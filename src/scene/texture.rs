@@ -57,7 +57,7 @@ impl Texture {
         (texels, DVec2::new(right, below))
     }
 
-    /// Where in memory the texels around `uv` are, above and below.
+    /// First bytes of the texels above and below `uv`, to prefetch them.
     pub fn memory_at(&self, uv: Vec2) -> [Option<&u8>; 2] {
         let ([above, _, below, _], _) = self.between(uv);
         [above, below].map(|texel| self.texels.byte(texel))

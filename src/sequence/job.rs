@@ -7,7 +7,7 @@ use crate::film::FrameDefects;
 use crate::frame_file::FrameFileError;
 use std::sync::atomic::AtomicBool;
 
-/// Which frames need no rendering.
+/// Frames that need no rendering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Skip {

@@ -113,7 +113,7 @@ pub struct Snapshot<'scene> {
     pub sky: Option<FrozenSky<'scene>>,
     /// Sky that the camera sees instead.
     pub backdrop: Option<FrozenSky<'scene>>,
-    /// Where things that move are in the middle of the shutter, at its other moments.
+    /// Places of moving surfaces in the middle of the shutter, for its other moments.
     middle: Arc<Middle>,
     /// Motion of surfaces, if it is requested.
     pub motion: Option<Arc<MotionField>>,

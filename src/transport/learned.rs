@@ -1,5 +1,5 @@
-//! What first walks learn of a scene, so that later ones find its light. In goes sunlit matter that they met,
-//! out come beams of suns. Invariant: it depends on the walks alone.
+//! Guiding of random walks by earlier ones. In go sunlit points that first walks met, out come beams of suns
+//! that later walks sample. Invariant: beams depend on the walks alone.
 
 use super::sun_beams::{MetPoint, SunBeams};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -12,14 +12,14 @@ pub struct Noted {
 }
 
 impl Noted {
-    /// Adds those of another walk.
+    /// Adds the points of another walk.
     pub fn extend(&mut self, other: Self) {
         self.on_surfaces.extend(other.on_surfaces);
         self.in_fog.extend(other.in_fog);
     }
 }
 
-/// Where walks look for light.
+/// Beams that guide walks to light.
 #[derive(Debug, Default)]
 pub struct Learned {
     /// Beams that light surfaces.
@@ -29,7 +29,7 @@ pub struct Learned {
 }
 
 impl Learned {
-    /// By first walks through a scene.
+    /// Beams through the points that first walks met.
     pub fn of(noted: &Noted, snapshot: &Snapshot) -> Self {
         let beams = |met: &[MetPoint]| {
             SunBeams::learned(met, |light| match snapshot.lights[light].centre() {

@@ -45,9 +45,9 @@ pub(super) struct LegEnd {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Shown {
     pub(super) radiance: Rgb,
-    /// Part that the surface, or what is seen in it, emits.
+    /// Part that is emission, by the surface or mirrored in it.
     pub(super) emitted: Rgb,
-    /// Part that is indirect light, of the surface or of what is seen in it.
+    /// Part that is indirect light, on the surface or mirrored in it.
     pub(super) indirect: Rgb,
 }
 

@@ -1,6 +1,8 @@
-//! A ray becomes a colour. In goes a [`Snapshot`](crate::snapshot::Snapshot) and a ray, out comes
-//! a [`Sample`]. Start reading at [`radiance()`]. Invariant: nothing here can fail; a snapshot that
-//! exists is valid.
+//! Light transport along camera rays. In go a [`Snapshot`](crate::snapshot::Snapshot) and a ray, out comes a
+//! [`Sample`]. Invariant: nothing here can fail, as a snapshot that exists is valid.
+//!
+//! Start reading at [`radiance()`], which asks `Path::follow` for a `Leg` and makes a sample of it. Slices
+//! (`slices/`) make their samples by the same function, `Path::sample`.
 
 mod branches;
 mod connection;

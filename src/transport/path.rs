@@ -66,9 +66,9 @@ pub struct Transport<'a> {
 pub struct Scratch {
     pub(super) lit: LitSegments,
     pub(super) lights: Vec<FrozenLight>,
-    /// Where random walks look for light; `None` until it is learned.
+    /// Beams that guide random walks; `None` until they are learned.
     pub(super) learned: Option<Arc<Learned>>,
-    /// What walks met until then.
+    /// Sunlit points that walks met until then.
     pub(super) noted: Noted,
     /// Whether the next walks of surfaces and of fog are shared.
     pub(super) shares_on_surface: bool,
@@ -78,12 +78,12 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Memory of walks that look for light where it was found before.
+    /// Memory of walks with beams that were learned before.
     pub fn with_learned(learned: Option<Arc<Learned>>) -> Self {
         Self { learned, ..Self::default() }
     }
 
-    /// What walks met since the last time, as long as nothing is learned.
+    /// Takes the points that walks met since the last call; empty once beams are learned.
     pub fn take_noted(&mut self) -> Noted {
         std::mem::take(&mut self.noted)
     }

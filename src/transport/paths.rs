@@ -49,7 +49,7 @@ struct Leg {
     turn: Option<Turn>,
 }
 
-/// Where a walk starts or goes on.
+/// Start of a walk, or of its continuation.
 #[derive(Clone, Copy)]
 struct Start {
     /// Number of its next vertex, from 1.
@@ -123,8 +123,8 @@ fn mean_of(path: &mut Path, count: u32, mut walk: impl FnMut(&mut Path) -> Rgb) 
     sum / f64::from(count)
 }
 
-/// Radiance along the first leg of a walk, from its next vertex and all later ones. A root takes over what it
-/// shares.
+/// Radiance along the first leg of a walk, from its next vertex and all later ones. A root takes over the
+/// vertices that it shares.
 fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg, root: Option<&mut Root>) -> Rgb {
     let first = leg.throughput.max_element();
     let Some(root) = root else { return walk_from(path, bounces, leg, Start { number: 1, at_first: first }) };
@@ -139,8 +139,8 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg, root: Option<&mut Root>
     sum + next.map_or(Rgb::ZERO, |next| walk_from(path, bounces, next, Start { number: 2, at_first: first }))
 }
 
-/// Follows a walk from its second vertex, and keeps what arrives there with its root, if that may be shared.
-/// `first` is the largest channel of its throughput at the root.
+/// Follows a walk from its second vertex, and keeps the light that arrives there with its root, if that may
+/// be shared. `first` is the largest channel of its throughput at the root.
 fn share(path: &mut Path, root: &mut Root, leg: &Leg, vertex: &Vertex, first: f64) -> bool {
     let Some(point) = vertex.shared() else { return false };
     let Some(density) = root.density(path.snapshot, point, leg.throughput) else { return true };

@@ -34,7 +34,7 @@ pub(super) enum First {
     Fog(Ray),
 }
 
-/// First vertex of walks, and what these found.
+/// First vertex of walks, with their second vertices.
 pub(super) struct Root {
     first: First,
     /// Throughput from it to the eye.

@@ -1,13 +1,13 @@
-//! Beams of suns that light what random walks see: where they pass is learned from walks. In go sunlit points
-//! that walks met, out come rays of suns and their density. Invariant: a ray begins above every point whose
-//! density is positive, so that it ends there, or passes, if the point is in the sun.
+//! Beams of suns, learned from random walks. In go sunlit points that walks met, out come rays of suns and
+//! their density. Invariant: a point with a positive density has rays that begin above it. If it is in the
+//! sun, they end at it or pass through it.
 
 use crate::math::{KdDensity, Ray};
 use crate::snapshot::FrozenLight;
 use glam::{DVec2, DVec3};
 
 /// Maximum share of points in the sun, among those that walks met, for which beams are worth their rays.
-/// Where more is in the sun, walks find it soon.
+/// With more, walks meet it soon by themselves.
 const MOST_SUNLIT: f64 = 0.1;
 /// Minimum number of points in the sun from which a beam is learned.
 const FEWEST: usize = 32;

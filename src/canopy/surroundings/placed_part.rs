@@ -1,5 +1,5 @@
-//! A part of a placed mesh, and whether it is a leaf or a wall. In go its sides, out comes that. Invariant:
-//! it depends on the part and on the width of cells alone, not on neighbours.
+//! A part of a placed mesh, and whether it is a leaf or a wall. In go its sides, out comes its kind.
+//! Invariant: the kind depends on the part and on the width of cells alone, not on neighbours.
 
 use crate::snapshot::MeshPart;
 

@@ -101,7 +101,7 @@ fn support(extension: &str) -> Option<Support> {
     })
 }
 
-/// How to export without an extension that changes the meaning of the data.
+/// Remedy: an export without an extension that changes the meaning of the data.
 fn remedy(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "KHR_texture_video" | "MPEG_media" | "MPEG_texture_video" => {

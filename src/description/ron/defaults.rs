@@ -1,7 +1,6 @@
-//! Defaults of fields other than their type's own. In goes nothing, out come values. Invariant: each lies in
-//! its field's range.
+//! Defaults of fields other than their type's own. Invariant: each lies in its field's range.
 
-/// 1 throughout.
+/// 1, for each component.
 pub(super) fn one<T: From<f64>>() -> T {
     T::from(1.0)
 }

@@ -3,7 +3,7 @@
 
 use half::f16;
 
-/// Why a grid cannot be had: where in the file, and what is wrong there.
+/// Fault of a file: its place, and the reason why a grid cannot be read.
 #[derive(Debug)]
 pub(super) struct Fault {
     /// Offset from the file's start in bytes.
@@ -13,7 +13,7 @@ pub(super) struct Fault {
     pub(super) remedy: Option<&'static str>,
 }
 
-/// How a file writes a number.
+/// Encoding of a number in a file.
 #[derive(Clone, Copy)]
 pub(super) enum Number {
     Half,

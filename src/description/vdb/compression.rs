@@ -22,10 +22,10 @@ mod inactive {
 /// Encoding of a grid's values.
 pub(super) struct Encoding<V> {
     pub(super) flags: u32,
-    /// How numbers of single values are written, and those of many.
+    /// Encoding of single numbers, and of lists of numbers.
     pub(super) one: Number,
     pub(super) many: Number,
-    /// Value of what is not in the tree.
+    /// Value outside the tree.
     pub(super) background: V,
 }
 

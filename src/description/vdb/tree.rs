@@ -20,13 +20,13 @@ const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
 pub struct Leaf<'a, V = f32> {
     /// First voxel.
     pub origin: [i32; 3],
-    /// Values of those that are active, in order.
+    /// Values of active voxels, in order.
     pub values: &'a [V],
-    /// Which are active, a bit each, the first lowest.
+    /// Mask of active voxels, a bit each, the first lowest.
     pub active: &'a [u8; 64],
 }
 
-/// Where a leaf is among all values.
+/// Place of a leaf, and of its values among all of them.
 #[derive(Debug)]
 struct Block {
     origin: [i32; 3],

@@ -23,7 +23,7 @@ pub(super) struct ThinningFog {
     pub(super) to_light: Option<Column>,
 }
 
-/// Such fog along the ray.
+/// Thinning fog along the ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ascent {
     metres_per_reach: f64,
@@ -31,7 +31,7 @@ pub(super) struct Ascent {
     density_at_start: f64,
 }
 
-/// Light's way through such fog.
+/// Light's way through thinning fog.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
     way: LightWay,
@@ -58,7 +58,7 @@ impl Column {
         self.metres_and_ends(reach).0
     }
 
-    /// Those metres, and the densities at the lower and the upper end.
+    /// As [`Self::metres`], with the densities at the lower and the upper end.
     fn metres_and_ends(&self, reach: f64) -> (f64, f64, f64) {
         let (low, high) = (self.at_lower.at(reach), self.at_upper.at(reach));
         let (at_lower, at_upper) = (fast_exp(-low), fast_exp(-high));

@@ -203,7 +203,7 @@ mod tests {
         shape.triangles.iter().map(|corners| corners.map(in_the_world)).collect()
     }
 
-    /// How deep a leaf is below the upper side of another, over its length.
+    /// Depth of a leaf below the upper side of another, over its length.
     fn depth(leaf: &[[DVec3; 3]], other: &[[DVec3; 3]], length_m: f64) -> f64 {
         let samples = leaf.iter().flat_map(|[a, b, c]| {
             (0..=20)

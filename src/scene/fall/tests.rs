@@ -1,4 +1,4 @@
-//! Tests of falls of many leaves: these hold whatever the leaf.
+//! Tests of falls of many leaves, for any leaf.
 
 use super::leaf::Flight;
 use super::*;

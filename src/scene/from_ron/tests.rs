@@ -1,4 +1,4 @@
-//! Small scenes in, and what becomes of them.
+//! Tests of small scenes in RON, resolved.
 
 use super::*;
 use crate::color::Rgb;

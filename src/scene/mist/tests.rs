@@ -1,5 +1,4 @@
-//! Mist against what is asked of it: how much of it there is, where, and when. Invariant: all places that are
-//! compared are those of voxels.
+//! Tests of mist: its amount, place and time. Invariant: all places that are compared are those of voxels.
 
 use super::*;
 use crate::scene::Keyed;

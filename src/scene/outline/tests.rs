@@ -1,4 +1,4 @@
-//! Outlines against analytic shapes, and against asking the texture at points.
+//! Tests of outlines against analytic shapes, and against the texture at points.
 
 use super::*;
 use crate::diagnostic::Loss;
@@ -40,7 +40,7 @@ fn area(mesh: &Mesh) -> f64 {
     corners(mesh).map(|[a, b, c]| 0.5 * (b - a).perp_dot(c - a)).sum()
 }
 
-/// How many of a mesh's triangles hold a point.
+/// Number of a mesh's triangles that hold a point.
 fn covering(mesh: &Mesh, point: DVec2) -> usize {
     let holds = |[a, b, c]: [DVec2; 3]| {
         let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| (to - from).perp_dot(point - from));

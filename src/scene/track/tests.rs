@@ -1,4 +1,4 @@
-//! Tracks through keys of every kind.
+//! Tests of tracks through keys of every kind.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
