@@ -33,8 +33,9 @@
 //! ```
 //!
 //! [`Renderer::sequence`] renders frame after frame. [`Scene::builder`] makes a scene in code, of parts that
-//! start with defaults and are changed by `with`. `examples/` has one, a walk through a glTF file's time, and
-//! a turntable. Rendering uses the current rayon pool; no picture depends on the number of threads.
+//! start with defaults; each is changed by its `with`, as by [`Camera::with`]. `examples/` has such a scene,
+//! a walk through a glTF file's time, and a turntable. Rendering uses the current rayon pool; no picture
+//! depends on the number of threads.
 //!
 //! # The story in ten lines
 //!

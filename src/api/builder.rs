@@ -10,7 +10,7 @@ use crate::description::{Description, LoadError};
 use crate::scene::{Baking, ResolveOptions};
 
 /// Builder that collects the parts of a scene; [`Scene::builder`] returns an empty one. Names of parts of one
-/// kind are unique.
+/// kind are unique. A camera is required. The scene has 24 frames a second, and second 0 is frame 0.
 #[derive(Clone, Debug, Default)]
 #[must_use = "nothing is checked before `build`"]
 pub struct SceneBuilder {

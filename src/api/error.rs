@@ -34,9 +34,9 @@ pub enum RenderError {
     /// A setting has a value with which this scene cannot be rendered.
     #[error("{setting}: {found}")]
     Setting {
-        /// Setting.
+        /// Setting with the value.
         setting: Setting,
-        /// Finding.
+        /// The value, and why it cannot be used.
         found: String,
         /// Expectation that was not met.
         expected: String,
@@ -79,7 +79,7 @@ impl RenderError {
         }
     }
 
-    /// Remedy.
+    /// Remedy, as a sentence for the user.
     pub fn remedy(&self) -> String {
         self.diagnostic().remedy.map(String::from).unwrap_or_default()
     }

@@ -110,7 +110,7 @@ impl Frame {
     }
 
     /// Writes a PNG for viewing, with the scene's look and exposure. A scene without an exposure gets this
-    /// frame's automatic one.
+    /// frame's automatic one, so brightness may flicker: see [`Self::write_png_at`]. Folders are created.
     ///
     /// # Errors
     /// If the picture is too large for a PNG or the file cannot be written.
@@ -118,8 +118,8 @@ impl Frame {
         self.write_png_at(path, self.exposure_stops.unwrap_or_else(|| self.auto_exposure_stops()))
     }
 
-    /// Writes the frame as a PNG with an exposure in stops, which has to be finite. One value for a whole
-    /// sequence avoids flicker.
+    /// Writes the frame as a PNG with light multiplied by 2 to the power of `exposure_stops`, which has to be
+    /// finite. One value for a whole sequence avoids flicker.
     ///
     /// # Errors
     /// If the picture is too large for a PNG or the file cannot be written.

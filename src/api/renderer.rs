@@ -26,7 +26,8 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
-    /// Creates a renderer of the scene's first frame with the scene's own settings.
+    /// Creates a renderer of the scene's first frame with the scene's own settings. By default these are
+    /// 960 x 540 pixels to a tolerance of 0.02, with light of all orders and a closed shutter.
     pub fn new(scene: &'a Scene) -> Self {
         let settings = scene.settings.clone();
         Self {
@@ -42,7 +43,7 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Sets the number of the frame.
+    /// Sets the number of the frame. Keys are in seconds: see [`Scene::frame_rate`].
     pub fn frame(mut self, frame: i64) -> Self {
         self.frame = frame;
         self

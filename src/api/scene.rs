@@ -57,17 +57,18 @@ impl Scene {
         self.resolved.remarks.reported()
     }
 
-    /// First and last frame of the input.
+    /// First and last frame of the input. A scene in code, or a scene file, has every frame; this is then
+    /// `1..=1`.
     pub fn frames(&self) -> RangeInclusive<i64> {
         self.settings.frames.clone()
     }
 
-    /// Frames a second.
+    /// Frames a second, 24 by default. Frame `n` is at second `n / rate`, and second 0 is frame 0.
     pub fn frame_rate(&self) -> FrameRate {
         self.settings.frame_rate
     }
 
-    /// Default size of its pictures.
+    /// Default size of its pictures; 960 x 540 unless the input says otherwise.
     pub fn size(&self) -> Size {
         self.settings.size
     }

@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A constant value, or one that changes over time.
+/// A constant value, or one that changes over time. Plain numbers and arrays are made constants by `into()`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[serde(untagged, bound = "")]
 #[non_exhaustive]
@@ -28,7 +28,8 @@ impl<T: Keyable> Animated<T> {
         Self::Keyed(Keys::of(keys, Extend::Hold))
     }
 
-    /// Linear interpolation between pairs of seconds and values, repeated cyclically.
+    /// Linear interpolation between pairs of seconds and values, repeated cyclically. The last key ends the
+    /// period, with the value of the first.
     pub fn cycle<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
         Self::Keyed(Keys::of(keys, Extend::Cycle))
     }

@@ -8,7 +8,7 @@ use super::number::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A camera.
+/// A camera: a pinhole, or a lens with an aperture, perspective or orthographic.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]

@@ -152,7 +152,7 @@ impl Light {
     }
 }
 
-/// Light from infinitely far away: parallel, or from a disc.
+/// Light from infinitely far away: parallel, or from a disc. It has one of `direction` and `to_sun`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -184,7 +184,7 @@ pub struct Sun {
 }
 
 impl Default for Sun {
-    /// One watt a square metre from straight above, parallel.
+    /// Parallel light of 1 W/m² from straight above. [`Sun::with`] turns it by `to_sun`.
     fn default() -> Self {
         Self {
             parent: None,
