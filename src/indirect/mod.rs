@@ -4,8 +4,9 @@
 //!
 //! Direct light and single scattering stay exact, in `transport`. Higher orders are solved on world grids by
 //! discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
-//! medium there. `source_iteration.rs` is the loop over orders. Around the grids, fog over plain ground is a
-//! stack of layers (`layers.rs`).
+//! medium there. `field.rs` has `ordinates` solve the grids, from the largest inwards: each gets the radiance
+//! of the larger one around it (`Level::around`). Beyond all grids, fog over plain ground is a stack of
+//! layers (`layers.rs`).
 
 mod bright_patches;
 mod contents;

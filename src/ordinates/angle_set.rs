@@ -264,7 +264,8 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// Sweeps from plane to plane along one ordinate of a pair.
+    /// Sweeps from plane to plane along one ordinate of a pair. [`StepRows`] is a step, with coefficients of
+    /// [`Cells`]; docs/builders/architecture.md has its equations.
     fn sweep_planes(
         &mut self,
         (side, ordinate): (usize, usize),

@@ -4,7 +4,8 @@
 //! it.
 //!
 //! To add a condition, add a variant of [`BoundaryCondition`] and its arm in `fill`; extend `varies` if
-//! planes differ. A condition does not see the radiance that leaves the grid, so none of them can reflect it.
+//! planes differ. `source_iteration.rs` picks the condition of each sweep. A condition does not see the
+//! radiance that leaves the grid, so none of them can reflect it.
 
 use super::angular_radiance::AngularRadiance;
 use super::grid::Grid;

@@ -45,6 +45,8 @@ impl UpwindStencil {
     }
 }
 
+/// Bilinear weights of the four cells about the place where the ordinate through a node crosses the plane
+/// before, from its shift along rows and columns.
 fn shares([row, column]: [f64; 2]) -> [f32; 4] {
     let shares = [(1.0 - row) * (1.0 - column), (1.0 - row) * column, row * (1.0 - column), row * column];
     shares.map(|share| share as f32)
