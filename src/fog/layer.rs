@@ -1,5 +1,5 @@
-//! Fog that differs with height alone. In goes a bank, out come its direction and its height. Invariant: a
-//! slab counts only where its sides are too far to matter.
+//! Fog that differs with height alone. In goes a bank, out come its up direction and its scale height, or
+//! a slab's height. Invariant: a slab counts only where its sides are too far to matter.
 
 use super::FogBank;
 use super::bank::Density;

@@ -4,9 +4,9 @@
 //!
 //! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
 //! breaks, known beforehand, both borders stay the same. So all ways are smooth on every interval of a ray
-//! between breaks (`interval.rs`). The lit part there is given by its moments (`lit_cells.rs`), which the
-//! integrand's derivatives are multiplied with. In uniform fog these are powers (`depth_line.rs`), in fog
-//! that thins out with height series (`depth_series.rs`, `thinning_fog.rs`).
+//! between breaks (`interval.rs`). The lit part there is given by its moments (`lit_cells.rs`), by which the
+//! integrand's derivatives are multiplied. The derivatives are powers in uniform fog (`depth_line.rs`), and
+//! series in fog that thins out with height (`depth_series.rs`, `thinning_fog.rs`).
 
 mod depth_line;
 mod depth_series;
