@@ -19,7 +19,7 @@ from .exr.decode import DecodeError, claims_too_much, decode_parts, full_size
 from .exr.header import Header, HeaderError, parse_headers
 from .exr.mapped import mapped
 from .exr.pixel_hash import pixel_hash
-from .findings import Finding, Scope, checks_of
+from .findings import Finding, findings_in
 from .frame import FileBytes, Frame
 from .layers import part_of_picture
 from .summary import FrameSummary, Suspicion, describe, measure, thumbnail
@@ -121,7 +121,7 @@ def analyse(job: Job) -> FrameSummary:
     summary.bytes = file.bytes
     if file.headers:
         describe(summary, file.headers)
-    summary.findings += _run(Scope.FILE, file, job)
+    summary.findings += _run(file, job)
     if frame is None:
         return summary
     if (luminance := frame.luminance()) is not None:
@@ -133,7 +133,7 @@ def analyse(job: Job) -> FrameSummary:
         summary.suspicion.window = frame.header.data_window
         summary.signature = order.signature(frame, luminance)
     measure(summary, frame, luminance)
-    summary.findings += _run(Scope.FRAME, frame, job)
+    summary.findings += _run(frame, job)
     if job.thumbnail_width:
         summary.thumbnail = thumbnail(frame, job.thumbnail_width)
     if job.compares:
@@ -146,7 +146,7 @@ def without_pixels(job: Job, reason: str) -> FrameSummary:
     summary = FrameSummary(job.number, job.path)
     file = FileBytes(job.number, Path(job.path), bytes=Path(job.path).stat().st_size, decode_error=reason)
     summary.bytes = file.bytes
-    summary.findings += _run(Scope.FILE, file, job)
+    summary.findings += _run(file, job)
     return summary
 
 
@@ -168,13 +168,8 @@ def confirm(suspicion: Suspicion, neighbours: list[str]) -> Suspicion:
     return found if seen else replace(found, blocks=blocks.unlikely_alone(found.blocks, found.window))
 
 
-def _run(scope: Scope, subject: FileBytes | Frame, job: Job) -> list[Finding]:
-    return [
-        Finding(f.check, f.severity, f.message, job.number, job.path, f.channel, f.pixel)
-        for check in checks_of(scope)
-        if check.id not in job.skip_checks
-        for f in check.run(subject)
-    ]
+def _run(subject: FileBytes | Frame, job: Job) -> list[Finding]:
+    return [replace(found, frame=job.number, path=job.path) for found in findings_in(subject, job.skip_checks)]
 
 
 def _compare(summary: FrameSummary, frame: Frame, job: Job) -> None:

@@ -16,15 +16,6 @@ class Severity(str, Enum):
     WARNING = "warning"
 
 
-class Scope(str, Enum):
-    """Subject of a check; each scope has one type of argument."""
-
-    LISTING = "listing"  # sequence.Listing: names alone
-    FILE = "file"  # frame.FileBytes: header and chunks, nothing decoded
-    FRAME = "frame"  # frame.Frame: decoded pixels
-    SEQUENCE = "sequence"  # summary.Rendered: all frames, in order of their numbers
-
-
 class Found(NamedTuple):
     """Result of a check: a sentence, and its place."""
 
@@ -60,37 +51,40 @@ class Check:
 
     id: str
     severity: Severity
-    scope: Scope
     about: str
     rerender: bool
     function: Callable[[Any], Iterator[Found]]
 
-    def run(self, subject: Any) -> Iterator[Finding]:
-        """Findings in `subject`, whose type depends on the scope."""
-        for found in self.function(subject):
-            yield Finding(self.id, self.severity, *found)
+    @property
+    def subject(self) -> type:
+        """Type of the function's argument: `sequence.Listing` (names alone), `frame.FileBytes` (header and chunks),
+        `frame.Frame` (decoded pixels), or `summary.Rendered` (all frames, in order of their numbers)."""
+        return next(iter(self.function.__annotations__.values()))
 
 
 CHECKS: dict[str, Check] = {}
 
 
 def check(
-    id: str, severity: Severity, scope: Scope, about: str, rerender: bool = False
+    id: str, severity: Severity, about: str, rerender: bool = False
 ) -> Callable[[Callable[[Any], Iterator[Found]]], Callable[[Any], Iterator[Found]]]:
     """Registers a function; `rerender` means that its frames belong into `--list-missing`."""
 
     def register(function: Callable[[Any], Iterator[Found]]) -> Callable[[Any], Iterator[Found]]:
         if id in CHECKS:
             raise ValueError(f"two checks have the id {id}")
-        CHECKS[id] = Check(id, severity, scope, about, rerender, function)
+        CHECKS[id] = Check(id, severity, about, rerender, function)
         return function
 
     return register
 
 
-def checks_of(scope: Scope) -> list[Check]:
-    """All checks of one scope, in the order of their registration."""
-    return [entry for entry in CHECKS.values() if entry.scope is scope]
+def findings_in(subject: object, skipped: frozenset[str]) -> Iterator[Finding]:
+    """Findings of all checks of this type of subject, in the order of their registration."""
+    for entry in CHECKS.values():
+        if isinstance(subject, entry.subject) and entry.id not in skipped:
+            for found in entry.function(subject):
+                yield Finding(entry.id, entry.severity, *found)
 
 
 def ordered(findings: list[Finding]) -> list[Finding]:

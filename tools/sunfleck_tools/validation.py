@@ -10,7 +10,7 @@ from pathlib import Path
 from . import checks  # noqa: F401  (registers them)
 from .analysis import Job, analyse, confirm, without_pixels
 from .disk import need_regular
-from .findings import CHECKS, Finding, Scope, Severity, checks_of, ordered
+from .findings import CHECKS, Finding, Severity, findings_in, ordered
 from .options import Options
 from .parallel import in_processes
 from .sequence import Listing, SequenceError, list_sequence, list_sequences
@@ -103,11 +103,8 @@ def _check(
         progress(len(frames))
     _look_again(frames, options, processes)
     findings = [finding for frame in frames for finding in frame.findings]
-    rendered = Rendered(frames, options, listing.is_still)
-    for scope, subject in ((Scope.LISTING, listing), (Scope.SEQUENCE, rendered)):
-        for check in checks_of(scope):
-            if check.id not in options.skip_checks:
-                findings += check.run(subject)
+    for subject in (listing, Rendered(frames, options, listing.is_still)):
+        findings += findings_in(subject, options.skip_checks)
     if listing.is_still:
         # A file without a number has no frame.
         findings = [replace(finding, frame=None, path=str(listing.files[0].path)) for finding in findings]

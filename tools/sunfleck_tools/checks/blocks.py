@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..exr.lossy import rounding
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import Frame, wide
 from ..summary import Rendered
 
@@ -100,13 +100,7 @@ def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
     return [block for block in found if is_bucket(block) and not is_bar(block, 0) and not is_bar(block, 1)]
 
 
-@check(
-    "black-block",
-    Severity.ERROR,
-    Scope.SEQUENCE,
-    "a rectangle of the picture is black to its last value",
-    rerender=True,
-)
+@check("black-block", Severity.ERROR, "a rectangle of the picture is black to its last value", rerender=True)
 def black_block(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its largest block."""
     for frame in rendered.decoded:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from ..exr.header import TimeCode
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..summary import FrameSummary, Rendered
 
 RANGE = re.compile(r"(-?\d{1,10})-(-?\d{1,10})")
@@ -42,12 +42,7 @@ def _shown(value: object) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-@check(
-    "structure",
-    Severity.ERROR,
-    Scope.SEQUENCE,
-    "channels, windows, compression or colour space differ from the other frames'",
-)
+@check("structure", Severity.ERROR, "channels, windows, compression or colour space differ from the other frames'")
 def structure(rendered: Rendered) -> Iterator[Found]:
     """Readers take the structure from the first frame. Other renderers fit the data window to the
     contents."""
@@ -59,7 +54,7 @@ def structure(rendered: Rendered) -> Iterator[Found]:
 def same(id: str, severity: Severity, what: str, key: str, about: str) -> None:
     """Registers a check of one value of the files' provenance."""
 
-    @check(id, severity, Scope.SEQUENCE, f"frames {about}")
+    @check(id, severity, f"frames {about}")
     def mixed(rendered: Rendered) -> Iterator[Found]:
         yield from odd_ones(rendered, what, lambda frame: frame.provenance.get(key))
 
@@ -72,7 +67,7 @@ same("mixed-settings", Severity.ERROR, "settings' hash", "settingsHash", "were r
 same("mixed-seed", Severity.WARNING, "seed", "seed", "were rendered with different seeds")
 
 
-@check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no hash: damage may go unseen")
+@check("unsigned", Severity.WARNING, "a file carries no hash: damage may go unseen")
 def unsigned(rendered: Rendered) -> Iterator[Found]:
     """One finding, unless no frame has a hash: then another program wrote them."""
     frames = [frame for frame in rendered.frames if frame.structure]
@@ -89,12 +84,7 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
                 yield frame.found("it carries no hash of the file, as the others do")
 
 
-@check(
-    "ends-early",
-    Severity.WARNING,
-    Scope.SEQUENCE,
-    "the scene's own frames go on before or after those that are there",
-)
+@check("ends-early", Severity.WARNING, "the scene's own frames go on before or after those that are there")
 def ends_early(rendered: Rendered) -> Iterator[Found]:
     """A missing first or last frame leaves no gap. Frames store the range of their scene, whichever frames
     a run rendered. If one end exists and the other does not, it may be lost; a partial render is
@@ -115,12 +105,7 @@ def ends_early(rendered: Rendered) -> Iterator[Found]:
         )
 
 
-@check(
-    "frame-rate",
-    Severity.ERROR,
-    Scope.SEQUENCE,
-    "the frame rate differs from the other frames', or from --fps",
-)
+@check("frame-rate", Severity.ERROR, "the frame rate differs from the other frames', or from --fps")
 def frame_rate(rendered: Rendered) -> Iterator[Found]:
     """Editors take the frame rate from any frame."""
     yield from odd_ones(
@@ -128,13 +113,7 @@ def frame_rate(rendered: Rendered) -> Iterator[Found]:
     )
 
 
-@check(
-    "image-counter",
-    Severity.ERROR,
-    Scope.SEQUENCE,
-    "the file's frame number is not that of its name",
-    rerender=True,
-)
+@check("image-counter", Severity.ERROR, "the file's frame number is not that of its name", rerender=True)
 def image_counter(rendered: Rendered) -> Iterator[Found]:
     """Swapped, copied and renumbered frames. Other renderers' frames may be renumbered consistently."""
     if rendered.is_still:
@@ -160,7 +139,7 @@ def number_said(frame: FrameSummary) -> int | None:
     )
 
 
-@check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")
+@check("time-code", Severity.ERROR, "time codes do not advance as the names do")
 def time_code(rendered: Rendered) -> Iterator[Found]:
     """The start is the author's choice; the majority of frames decides it."""
 

@@ -6,57 +6,49 @@ from ..exr import file_hash as whole
 from ..exr.colors import color_space
 from ..exr.header import Header
 from ..exr.mapped import mapped
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import FileBytes, Frame
 from ..layers import Kind, kind
 
 NAME = "sunfleck:pixelHash"
 
 
-@check("unreadable", Severity.ERROR, Scope.FILE, "the system does not let the file be read")
+@check("unreadable", Severity.ERROR, "the system does not let the file be read")
 def unreadable(file: FileBytes) -> Iterator[Found]:
     """Missing permissions, and failing disks."""
     if file.read_error:
         yield Found(f"it cannot be read: {file.read_error}")
 
 
-@check("empty-file", Severity.ERROR, Scope.FILE, "the file has no bytes", rerender=True)
+@check("empty-file", Severity.ERROR, "the file has no bytes", rerender=True)
 def empty_file(file: FileBytes) -> Iterator[Found]:
     """Placeholders that a farm created and never filled."""
     if file.bytes == 0 and not file.read_error:
         yield Found("the file is empty")
 
 
-@check("header", Severity.ERROR, Scope.FILE, "the header is damaged or cut off", rerender=True)
+@check("header", Severity.ERROR, "the header is damaged or cut off", rerender=True)
 def header(file: FileBytes) -> Iterator[Found]:
     """A file with a damaged header allows no other check."""
     if file.header_error and file.bytes:
         yield Found(file.header_error)
 
 
-@check(
-    "size-claim",
-    Severity.ERROR,
-    Scope.FILE,
-    "the header claims more pixels than the file can hold",
-    rerender=True,
-)
+@check("size-claim", Severity.ERROR, "the header claims more pixels than the file can hold", rerender=True)
 def size_claim(file: FileBytes) -> Iterator[Found]:
     """Checked before the decoder allocates memory."""
     if file.claim:
         yield Found(file.claim)
 
 
-@check("unsupported", Severity.ERROR, Scope.FILE, "deep data")
+@check("unsupported", Severity.ERROR, "deep data")
 def unsupported(file: FileBytes) -> Iterator[Found]:
     """Deep pixels have any number of values, and are no picture."""
     if file.unsupported:
         yield Found(f"{file.unsupported} cannot be checked: flatten it")
 
 
-@check(
-    "chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True
-)
+@check("chunks", Severity.ERROR, "a chunk of pixels is missing, misplaced or cut off", rerender=True)
 def chunks(file: FileBytes) -> Iterator[Found]:
     """The first faulty chunk; a truncated file has many."""
     if file.chunk_faults:
@@ -65,20 +57,14 @@ def chunks(file: FileBytes) -> Iterator[Found]:
         yield Found(first + (f", and {more} damaged" if others else ""))
 
 
-@check("decode", Severity.ERROR, Scope.FILE, "a chunk cannot be decompressed", rerender=True)
+@check("decode", Severity.ERROR, "a chunk cannot be decompressed", rerender=True)
 def decode(file: FileBytes) -> Iterator[Found]:
     """Checksums of deflate, and every other error of OpenEXR."""
     if file.decode_error:
         yield Found(f"it cannot be decoded: {file.decode_error}")
 
 
-@check(
-    "pixel-hash",
-    Severity.ERROR,
-    Scope.FRAME,
-    "the pixels are not those that the file was written with",
-    rerender=True,
-)
+@check("pixel-hash", Severity.ERROR, "the pixels are not those that the file was written with", rerender=True)
 def pixel_hash(frame: Frame) -> Iterator[Found]:
     """Damage that decodes without complaint, as in uncompressed or PIZ files."""
     if not _has_its_pixels(frame):
@@ -86,13 +72,7 @@ def pixel_hash(frame: Frame) -> Iterator[Found]:
         yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")
 
 
-@check(
-    "file-hash",
-    Severity.ERROR,
-    Scope.FRAME,
-    "a byte is not the one that the file was written with",
-    rerender=True,
-)
+@check("file-hash", Severity.ERROR, "a byte is not the one that the file was written with", rerender=True)
 def file_hash(frame: Frame) -> Iterator[Found]:
     """Damage outside the pixels: in the header, or bytes at the end. `pixel-hash` reports the pixels."""
     if whole.NAME not in frame.headers[0].values or not _has_its_pixels(frame):
@@ -117,7 +97,7 @@ def _has_its_pixels(frame: Frame) -> bool:
     return frame.headers[0].text(NAME) in (None, frame.hash)
 
 
-@check("colour-space", Severity.WARNING, Scope.FILE, "what a file says of its colours is not known, or not one")
+@check("colour-space", Severity.WARNING, "what a file says of its colours is not known, or not one")
 def colour_space(file: FileBytes) -> Iterator[Found]:
     """Programs use `colorInteropID`, `chromaticities`, or neither: if the two disagree, colours differ
     between programs."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..summary import Rendered
 
 REACH = 2
@@ -77,12 +77,7 @@ def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, 
     return absent
 
 
-@check(
-    "firefly",
-    Severity.WARNING,
-    Scope.SEQUENCE,
-    "a single pixel is far brighter than its neighbours in space and time",
-)
+@check("firefly", Severity.WARNING, "a single pixel is far brighter than its neighbours in space and time")
 def firefly(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its brightest spike."""
     for frame in rendered.decoded:

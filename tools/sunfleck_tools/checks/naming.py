@@ -2,24 +2,19 @@
 
 from collections.abc import Iterator
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame_list import format_frames
 from ..sequence import Listing
 
 
-@check("missing-frame", Severity.ERROR, Scope.LISTING, "a frame of the range has no file", rerender=True)
+@check("missing-frame", Severity.ERROR, "a frame of the range has no file", rerender=True)
 def missing_frame(listing: Listing) -> Iterator[Found]:
     """Frames lost on a farm."""
     for number in listing.missing:
         yield Found(f"there is no {listing.name_of(number)}", frame=number)
 
 
-@check(
-    "shorter-sequence",
-    Severity.WARNING,
-    Scope.LISTING,
-    "another sequence of the folder goes on where this one ends",
-)
+@check("shorter-sequence", Severity.WARNING, "another sequence of the folder goes on where this one ends")
 def shorter_sequence(listing: Listing) -> Iterator[Found]:
     """A missing last frame leaves no gap, but other passes of the same render have it."""
     for pattern, numbers in listing.elsewhere.items():
@@ -27,12 +22,7 @@ def shorter_sequence(listing: Listing) -> Iterator[Found]:
             yield Found(f"{pattern} has frames {format_frames(numbers)} too, and {listing.pattern} has not")
 
 
-@check(
-    "unexpected-frame",
-    Severity.WARNING,
-    Scope.LISTING,
-    "a file's number lies outside of the range asked for; nothing else of it is checked",
-)
+@check("unexpected-frame", Severity.WARNING, "a file's number lies outside of the range asked for; nothing else of it is checked")
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
     """Only with a requested range; otherwise every frame is expected."""
     expected = set(listing.expected)
@@ -42,7 +32,7 @@ def unexpected_frame(listing: Listing) -> Iterator[Found]:
             yield Found(message, frame=file.number, path=str(file.path))
 
 
-@check("duplicate-frame", Severity.ERROR, Scope.LISTING, "two files have one frame's number")
+@check("duplicate-frame", Severity.ERROR, "two files have one frame's number")
 def duplicate_frame(listing: Listing) -> Iterator[Found]:
     """x.1.exr beside x.0001.exr: programs read either of them."""
     chosen = {file.number: file for file in listing.frames}
@@ -56,7 +46,7 @@ def duplicate_frame(listing: Listing) -> Iterator[Found]:
             )
 
 
-@check("mixed-padding", Severity.WARNING, Scope.LISTING, "a number is padded otherwise than the sequence's")
+@check("mixed-padding", Severity.WARNING, "a number is padded otherwise than the sequence's")
 def mixed_padding(listing: Listing) -> Iterator[Found]:
     """Programs with the pattern x.####.exr do not find x.7.exr."""
     for file in listing.frames:
@@ -65,19 +55,14 @@ def mixed_padding(listing: Listing) -> Iterator[Found]:
             yield Found(message, frame=file.number, path=str(file.path))
 
 
-@check(
-    "foreign-file",
-    Severity.WARNING,
-    Scope.LISTING,
-    "an EXR file beside the sequence belongs to no frame of it",
-)
+@check("foreign-file", Severity.WARNING, "an EXR file beside the sequence belongs to no frame of it")
 def foreign_file(listing: Listing) -> Iterator[Found]:
     """Renamed frames, and other sequences in the same folder."""
     for path in listing.strangers:
         yield Found(f"{path.name} is no frame of {listing.pattern}", path=str(path))
 
 
-@check("temporary-file", Severity.WARNING, Scope.LISTING, "a render that was killed left a temporary file")
+@check("temporary-file", Severity.WARNING, "a render that was killed left a temporary file")
 def temporary_file(listing: Listing) -> Iterator[Found]:
     """`sunfleck render --skip valid` removes them."""
     for path in listing.leftovers:

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import Frame
 from ..summary import FrameSummary, Rendered
 from .constancy import number_said
@@ -41,7 +41,7 @@ def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(sums / step**2, 0)).astype(np.float32)
 
 
-@check("order", Severity.ERROR, Scope.SEQUENCE, "two frames are in order only if they change places")
+@check("order", Severity.ERROR, "two frames are in order only if they change places")
 def order(rendered: Rendered) -> Iterator[Found]:
     """Files that store their own numbers are checked by `image-counter`."""
     for frames in _runs(rendered.decoded):

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import Frame
 from ..layers import Kind, holds_ids, is_cryptomatte, is_motion, kind
 from .values import first_bad
@@ -28,7 +28,7 @@ pixels wide. When a fast turning camera has points in its own plane, motion is u
 the inverse distance: to a quarter of a picture's width, in picture widths, one pixel away."""
 
 
-@check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
+@check("beauty-sum", Severity.ERROR, "shafts are brighter than the beauty that they are part of")
 def beauty_sum(frame: Frame) -> Iterator[Found]:
     """beauty = background * transmittance + blended surfaces + shafts, and no term is negative."""
     for letter in "RGB":
@@ -52,7 +52,7 @@ def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
     return plain and not (one.view(np.uint16) > two.view(np.uint16)).any()
 
 
-@check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
+@check("transmittance-range", Severity.ERROR, "transmittance is more than 1")
 def transmittance_range(frame: Frame) -> Iterator[Found]:
     """Fog and filters only remove light; other renderers may use the name for light."""
     if not frame.is_exact:
@@ -63,7 +63,7 @@ def transmittance_range(frame: Frame) -> Iterator[Found]:
                 yield from first_bad(frame, name, frame.float(name) > LARGEST_TRANSMITTANCE, "more than 1")
 
 
-@check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
+@check("depth", Severity.ERROR, "depth is zero, negative, or beyond where rays end")
 def depth(frame: Frame) -> Iterator[Found]:
     """No surface is at or behind the camera. Other renderers have other units, directions and backgrounds."""
     if "Z" not in frame.channels or not frame.is_own:
@@ -75,7 +75,7 @@ def depth(frame: Frame) -> Iterator[Found]:
             yield from first_bad(frame, "Z", (z <= 0) | ((z > FARTHEST) & np.isfinite(z)), "no depth")
 
 
-@check("normal-length", Severity.ERROR, Scope.FRAME, "a normal is longer than 1")
+@check("normal-length", Severity.ERROR, "a normal is longer than 1")
 def normal_length(frame: Frame) -> Iterator[Found]:
     """Averages of unit vectors may be shorter, never longer. Other renderers may encode them differently."""
     if not frame.is_exact:
@@ -92,7 +92,7 @@ def normal_length(frame: Frame) -> Iterator[Found]:
                 )
 
 
-@check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
+@check("leaf-id", Severity.ERROR, "a leaf's number is no whole number")
 def leaf_id(frame: Frame) -> Iterator[Found]:
     """An average of two ids would be a third leaf."""
     for name in frame.channels:
@@ -104,12 +104,7 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
                     yield from first_bad(frame, name, broken & np.isfinite(values), "not whole")
 
 
-@check(
-    "motion",
-    Severity.ERROR,
-    Scope.FRAME,
-    "motion is not finite, or a pixel alone moves as far as a hundred pictures",
-)
+@check("motion", Severity.ERROR, "motion is not finite, or a pixel alone moves as far as a hundred pictures")
 def motion(frame: Frame) -> Iterator[Found]:
     """Vectors in pixels a frame. Other renderers have other units, and other values without motion."""
     if not frame.is_own:
@@ -136,7 +131,7 @@ def _fastest_neighbour(amount: np.ndarray) -> np.ndarray:
     return around
 
 
-@check("half-id", Severity.ERROR, Scope.FRAME, "names of things are stored in half precision, which cuts them")
+@check("half-id", Severity.ERROR, "names of things are stored in half precision, which cuts them")
 def half_id(frame: Frame) -> Iterator[Found]:
     """Cryptomatte's ids have 32 bits, so halves cannot hold them. Plain integers are exact up to 2048."""
     for name, stored in frame.channels.items():

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import Frame
 from ..summary import Rendered
 
@@ -22,12 +22,7 @@ def comparable(frame: Frame, reference: Frame) -> str | None:
     return None
 
 
-@check(
-    "reference-missing",
-    Severity.WARNING,
-    Scope.SEQUENCE,
-    "a frame has no reference that it can be compared with",
-)
+@check("reference-missing", Severity.WARNING, "a frame has no reference that it can be compared with")
 def reference_missing(rendered: Rendered) -> Iterator[Found]:
     """Only with requested references."""
     for frame in rendered.decoded:
@@ -35,7 +30,7 @@ def reference_missing(rendered: Rendered) -> Iterator[Found]:
             yield frame.found(frame.reference_error)
 
 
-@check("reference", Severity.ERROR, Scope.SEQUENCE, "a frame is too far from its reference")
+@check("reference", Severity.ERROR, "a frame is too far from its reference")
 def reference(rendered: Rendered) -> Iterator[Found]:
     """Relative mean squared error, and FLIP if a limit is given."""
     options = rendered.options

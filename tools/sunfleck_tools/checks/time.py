@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from statistics import median
 
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..summary import FrameSummary, Rendered
 
 NEIGHBOURS = 5
@@ -26,9 +26,7 @@ FLICKER_RATIO = 0.02
 """Median relative step of such a run."""
 
 
-@check(
-    "black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True
-)
+@check("black", Severity.ERROR, "a frame is black, and those around it are not", rerender=True)
 def black(rendered: Rendered) -> Iterator[Found]:
     """A lost light or camera, but not a fade, an exit from the picture, or black at the beginning or end."""
     frames = rendered.decoded
@@ -45,7 +43,7 @@ def black(rendered: Rendered) -> Iterator[Found]:
                 )
 
 
-@check("all-black", Severity.WARNING, Scope.SEQUENCE, "no frame shows anything")
+@check("all-black", Severity.WARNING, "no frame shows anything")
 def all_black(rendered: Rendered) -> Iterator[Found]:
     """A scene without light, or a camera that misses it: rendered correctly, but hardly intended."""
     if rendered.decoded and all(map(_is_black, rendered.decoded)):
@@ -77,7 +75,7 @@ def _black_runs(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
             start = None
 
 
-@check("constant", Severity.WARNING, Scope.SEQUENCE, "a frame has a single colour")
+@check("constant", Severity.WARNING, "a frame has a single colour")
 def constant(rendered: Rendered) -> Iterator[Found]:
     """A camera inside a wall, or fog alone."""
     for frame in rendered.decoded:
@@ -85,12 +83,7 @@ def constant(rendered: Rendered) -> Iterator[Found]:
             yield frame.found("all pixels have one colour")
 
 
-@check(
-    "stuck",
-    Severity.ERROR,
-    Scope.SEQUENCE,
-    "a frame has the pixels of the one before, where --static does not allow it",
-)
+@check("stuck", Severity.ERROR, "a frame has the pixels of the one before, where --static does not allow it")
 def stuck(rendered: Rendered) -> Iterator[Found]:
     """One finding a run of equal frames. A sequence may rest at its beginning and end; black frames are
     all alike."""
@@ -110,7 +103,7 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
         start = end
 
 
-@check("file-size", Severity.WARNING, Scope.SEQUENCE, "a file is much smaller or larger than its neighbours")
+@check("file-size", Severity.WARNING, "a file is much smaller or larger than its neighbours")
 def file_size(rendered: Rendered) -> Iterator[Found]:
     """Partial and empty pictures compress well."""
     # Black frames are reported by `black`.
@@ -120,7 +113,7 @@ def file_size(rendered: Rendered) -> Iterator[Found]:
             yield frame.found(f"the file has {frame.bytes} bytes where its neighbours have about {usual:.0f}")
 
 
-@check("pop", Severity.WARNING, Scope.SEQUENCE, "a frame alone is brighter or darker than both neighbours")
+@check("pop", Severity.WARNING, "a frame alone is brighter or darker than both neighbours")
 def pop(rendered: Rendered) -> Iterator[Found]:
     """Second difference of mean and 99th percentile, relative to the usual one nearby."""
     frames = [frame for frame in rendered.decoded if frame.mean is not None]
@@ -139,7 +132,7 @@ def pop(rendered: Rendered) -> Iterator[Found]:
                 yield frame.found(f"it pops: {message}")
 
 
-@check("flicker", Severity.WARNING, Scope.SEQUENCE, "brightness goes up and down from frame to frame")
+@check("flicker", Severity.WARNING, "brightness goes up and down from frame to frame")
 def flicker(rendered: Rendered) -> Iterator[Found]:
     """Runs of steps whose signs alternate."""
     frames = [frame for frame in rendered.decoded if frame.mean is not None]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..exr.lossy import rounding
-from ..findings import Found, Scope, Severity, check
+from ..findings import Found, Severity, check
 from ..frame import Frame
 from ..layers import Kind, kind, split
 
@@ -36,14 +36,14 @@ def not_finite(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
             yield name, frame.float(name)
 
 
-@check("nan", Severity.ERROR, Scope.FRAME, "a value is not a number", rerender=True)
+@check("nan", Severity.ERROR, "a value is not a number", rerender=True)
 def nan(frame: Frame) -> Iterator[Found]:
     """Invalid arithmetic; filters spread it."""
     for name, values in not_finite(frame):
         yield from first_bad(frame, name, np.isnan(values), "NaN")
 
 
-@check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
+@check("infinity", Severity.ERROR, "a value is infinite", rerender=True)
 def infinity(frame: Frame) -> Iterator[Found]:
     """Includes overflow of half precision in programs that do not clamp. In other renderers' frames,
     depths and positions of the background may be infinite."""
@@ -52,9 +52,7 @@ def infinity(frame: Frame) -> Iterator[Found]:
             yield from first_bad(frame, name, np.isinf(values), "infinite")
 
 
-@check(
-    "half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is"
-)
+@check("half-overflow", Severity.WARNING, "a value of half precision is the largest that there is")
 def half_overflow(frame: Frame) -> Iterator[Found]:
     """The renderer clamps to the largest half: the true value was larger."""
     for name, stored in frame.channels.items():
@@ -72,7 +70,7 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
             )
 
 
-@check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
+@check("negative", Severity.ERROR, "light, transmittance or albedo is negative")
 def negative(frame: Frame) -> Iterator[Found]:
     """Filters with negative lobes, or subtraction in the wrong order. Lossy compression may go slightly
     below 0."""
@@ -83,7 +81,7 @@ def negative(frame: Frame) -> Iterator[Found]:
                 yield from first_bad(frame, name, frame.float(name) < least, "negative")
 
 
-@check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")
+@check("alpha-range", Severity.ERROR, "alpha is not between 0 and 1")
 def alpha_range(frame: Frame) -> Iterator[Found]:
     """Causes haloes in compositing."""
     layer = split(frame.picture[0])[0] if frame.picture else ""
