@@ -6,6 +6,7 @@ Invariant: only existing bytes are returned, and memory is not allocated by a fi
 import base64
 import binascii
 import json
+import os
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -81,6 +82,10 @@ class Container:
                 f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}"
             )
         return read_bytes(path)
+
+    def beside(self, uri: Value) -> Path:
+        """File of a URI, by its own folder: that of the renderer's export, which is temporary, may be gone."""
+        return Path(os.path.realpath(self.path.parent / unquote(uri.text())))
 
     def picture(self, image: Value) -> bytes:
         """Bytes of an image's file."""

@@ -58,10 +58,7 @@ class Bending:
         """All curves that affect the shape."""
         found = [] if self.node.weights is None else [self.node.weights]
         for joint in self.joints:
-            above: Node | None = joint
-            while above is not None:
-                found += above.curves.values()
-                above = above.parent
+            found += [curve for node in joint.upwards for curve in node.curves.values()]
         return list({id(curve): curve for curve in found}.values())
 
     def positions(self, primitive: Primitive, times_s: np.ndarray) -> np.ndarray:

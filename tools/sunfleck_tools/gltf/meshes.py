@@ -95,14 +95,8 @@ class Meshes:
         else:
             corners = accessors.integers(indices, count, "vertices")[:, 0]
         uvs = {layer: found for layer in range(8) if (found := rows(f"TEXCOORD_{layer}", 2)) is not None}
-        primitive = Primitive(
-            positions,
-            _triangles(corners, mode),
-            None,
-            rows("NORMAL", 3),
-            uvs,
-            self._colors(attributes, count),
-        )
+        normals, colors = rows("NORMAL", 3), self._colors(attributes, count)
+        primitive = Primitive(positions, _triangles(corners, mode), None, normals, uvs, colors)
         if (material := source.member("material")) is not None:
             primitive.material = material.index(self.materials, "material")
         for target in source.items("targets"):

@@ -1,6 +1,9 @@
 """Nodes of the shown scene, with their motion. Invariant: parents come before children, and form trees."""
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
@@ -30,13 +33,22 @@ class Node:
 
     @property
     def extras(self) -> Value:
-        """Custom properties; `extras` of any other type have none."""
-        found = self.source.member("extras")
-        return (
-            found
-            if found is not None and isinstance(found.raw, dict)
-            else Value({}, self.source.file, self.source.path)
-        )
+        """Custom properties."""
+        return self.source.extras
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether it is visible by itself where its visibility has no keys."""
+        said = self.source.group("extensions").group("KHR_node_visibility").member("visible")
+        return said is None or said.raw is not False
+
+    @property
+    def upwards(self) -> "Iterator[Node]":
+        """The node and its ancestors."""
+        above: Node | None = self
+        while above is not None:
+            yield above
+            above = above.parent
 
     def parts_at(self, path: str, times_s: np.ndarray) -> np.ndarray:
         """Rows of one part of the transform, a row a time."""
@@ -51,10 +63,7 @@ class Node:
 
     def world_from_node(self, times_s: np.ndarray) -> np.ndarray:
         """Matrices for column vectors."""
-        found, above = self.parent_from_node(times_s), self.parent
-        while above is not None:
-            found, above = above.parent_from_node(times_s) @ found, above.parent
-        return found
+        return reduce(lambda below, above: above @ below, (node.parent_from_node(times_s) for node in self.upwards))
 
 
 def matrices(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -155,18 +164,11 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
 
 def _read_visibility(target: Value, sampler: Value, by_index: dict[int, Node], accessors: Accessors) -> None:
     """Reads a pointer to a node's visibility; other pointers are ignored."""
-    said = target.member("extensions")
-    pointer = said.member("KHR_animation_pointer") if said is not None else None
-    steps = pointer.text_at("pointer").split("/") if pointer is not None else []
-    if (
-        len(steps) == 6
-        and steps[1] == "nodes"
-        and steps[3:] == ["extensions", "KHR_node_visibility", "visible"]
-        and steps[2].isdigit()
-    ):
-        if (node := by_index.get(int(steps[2]))) is not None:
-            curve = _curve(sampler, accessors, 1, turns=False)
-            node.shown = Curve(curve.times_s, curve.values, "STEP", turns=False)
+    pointer = target.group("extensions").group("KHR_animation_pointer").text_at("pointer")
+    found = re.fullmatch("/nodes/([0-9]+)/extensions/KHR_node_visibility/visible", pointer)
+    if found and (node := by_index.get(int(found[1]))) is not None:
+        curve = _curve(sampler, accessors, 1, turns=False)
+        node.shown = Curve(curve.times_s, curve.values, "STEP", turns=False)
 
 
 def _curve(sampler: Value, accessors: Accessors, width: int, turns: bool) -> Curve:

@@ -57,12 +57,7 @@ class Gltf:
             self.scene = number.item_of(scenes, "scene")
         else:
             self.scene = scenes[0] if scenes else Value({}, self.document.file, "scenes")
-        extras = self.scene.member("extras")
-        self.extras = (
-            extras
-            if extras is not None and isinstance(extras.raw, dict)
-            else Value({}, self.document.file, "extras")
-        )
+        self.extras = self.scene.extras
         self.nodes = read_nodes(self.document, self.scene)
         read_animations(self.document, self.nodes, self.accessors)
         self._mend_times()
@@ -93,9 +88,8 @@ class Gltf:
 
     def _settings(self, fps: Fraction | None, frames: tuple[int, int] | None) -> Settings:
         sunfleck = self.extras.group("sunfleck")
-        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / sunfleck.number_at(
-            "fps_base", 1.0, 1e-3, 1e6
-        )
+        base = sunfleck.number_at("fps_base", 1.0, 1e-3, 1e6)
+        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / base
         fps = fps or Fraction(rate).limit_denominator(1001)
         first, last = self._keyed_frames(fps)
         first = int(sunfleck.number_at("frame_start", first, -1e7, 1e7))
@@ -107,15 +101,8 @@ class Gltf:
         width, height = (0, 0) if size is None else (max(1, int(number)) for number in size.numbers(2))
         shutter = sunfleck.number_at("shutter", 0.0, 0.0, 1000.0)
         opening = sunfleck.number_at("shutter_offset", -0.5 * shutter, -1000.0, 1000.0) if shutter else 0.0
-        return Settings(
-            fps=fps,
-            first=first,
-            last=last,
-            size=(width, height),
-            camera=sunfleck.text_at("camera"),
-            light_units=sunfleck.text_at("light_units", "spec"),
-            shutter=(opening, opening + shutter),
-        )
+        camera, units = sunfleck.text_at("camera"), sunfleck.text_at("light_units", "spec")
+        return Settings(fps, first, last, (width, height), camera, units, (opening, opening + shutter))
 
     def _keyed_frames(self, fps: Fraction) -> tuple[int, int]:
         curves = [curve for node in self.nodes for curve in node.curves.values() if len(curve.times_s) > 1]

@@ -40,11 +40,8 @@ def read_sky(gltf: Gltf) -> Sky | None:
         radiance = radiance * color.channels()
     elif image is None:
         ground = source.member("ground")
-        colors = [
-            source.need("zenith").channels(),
-            source.need("horizon").channels(),
-            [0.0] * 3 if ground is None else ground.channels(),
-        ]
+        below = [0.0] * 3 if ground is None else ground.channels()
+        colors = [source.need("zenith").channels(), source.need("horizon").channels(), below]
         gradient = _gradient(*map(np.array, colors))
     return Sky(
         source.text_at("lights", "nothing"), radiance, image, gradient, source.number_at("rotation", 0.0)

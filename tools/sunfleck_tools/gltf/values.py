@@ -35,6 +35,12 @@ class Value:
         """Member of an object as an object, empty if it is missing."""
         return self.member(name) or Value({}, self.file, f"{self.path}.{name}" if self.path else name)
 
+    @property
+    def extras(self) -> "Value":
+        """Custom properties; `extras` of any other type than an object have none."""
+        found = self.group("extras")
+        return found if isinstance(found.raw, dict) else Value({}, self.file, found.path)
+
     def extension(self, name: str) -> "Value | None":
         """An extension of glTF."""
         return self.group("extensions").member(name)

@@ -71,12 +71,8 @@ class GlbWriter:
     def animate_value(self, pointer: str, times_s: np.ndarray, rows: np.ndarray) -> None:
         """Animates the target of a JSON pointer (KHR_animation_pointer)."""
         self.extensions.add("KHR_animation_pointer")
-        self._channel(
-            {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}},
-            times_s,
-            rows,
-            "LINEAR",
-        )
+        target = {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}
+        self._channel(target, times_s, rows, "LINEAR")
 
     def _channel(self, target: dict, times_s: np.ndarray, rows: np.ndarray, interpolation: str) -> None:
         if "animations" not in self.document:

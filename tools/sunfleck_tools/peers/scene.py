@@ -4,11 +4,9 @@ It has triangles in the world, lights, a camera and a box of fog. Invariant: oth
 they would change the light, and reported if they change surfaces.
 """
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 
@@ -134,20 +132,14 @@ class _Reader:
         )
 
     def _is_visible(self, node: Node) -> bool:
-        above: Node | None = node
-        while above is not None:
-            visibility = above.source.extension("KHR_node_visibility")
-            still = visibility is None or visibility.raw.get("visible", True) is not False
-            if not (still if above.shown is None else above.shown.at(self.time_s)[0, 0] >= 0.5):
-                return False
-            above = above.parent
-        return True
+        return all(
+            above.is_shown if above.shown is None else above.shown.at(self.time_s)[0, 0] >= 0.5 for above in node.upwards
+        )
 
     def _fog(self, node: Node, fog: Value, world_from_cube: np.ndarray) -> Fog:
         vdb, grid = fog.member("vdb"), None
         if vdb is not None:
-            # Its own folder may be gone, as the renderer's export is temporary.
-            path = Path(os.path.realpath(self.gltf.container.path.parent / unquote(vdb.text())))
+            path = self.gltf.container.beside(vdb)
             if not path.is_file():
                 vdb.fail(f"leads to {path}, which is no file: other renderers get no sequences of grids")
             grid = path, fog.text_at("grid", "density")
@@ -180,7 +172,7 @@ class _Reader:
         node, world_from_camera = chosen[0]
         described = self.gltf.document.items("cameras")
         source = node.source.need("camera").item_of(described, "camera")
-        ours = source.group("extras").group("sunfleck_camera")
+        ours = source.extras.group("sunfleck_camera")
         if source.text_at("type") != "perspective" or any(
             ours.member(name) is not None for name in ("shift", "fstop")
         ):
@@ -208,11 +200,7 @@ class _Reader:
         beyond = [name for name in SURFACE_BEYOND if source.member(name) is not None]
         beyond += ["emissiveFactor"] if any(source.numbers_at("emissiveFactor", 0.0, 0.0, 0.0)) else []
         beyond += sorted(name for name in source.group("extensions").raw if not self._is_matte(name, source))
-        beyond += [
-            name
-            for name in ("sunfleck_leaf", "sunfleck_material")
-            if source.group("extras").member(name) is not None
-        ]
+        beyond += [name for name in ("sunfleck_leaf", "sunfleck_material") if source.extras.member(name) is not None]
         beyond += ["metallicFactor"] if shading.number_at("metallicFactor", 1.0) > 0 else []
         beyond += ["alphaMode"] if source.text_at("alphaMode", "OPAQUE") != "OPAQUE" else []
         if beyond:

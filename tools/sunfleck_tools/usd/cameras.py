@@ -19,8 +19,7 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
     tenths."""
     cameras = gltf.document.items("cameras")
     source = node.source.need("camera").item_of(cameras, "camera")
-    extras = source.group("extras")
-    ours = extras.group("sunfleck_camera") if isinstance(extras.raw, dict) else extras
+    ours = source.extras.group("sunfleck_camera")
     sensor = ours.number_at("sensor_width_mm", 36.0, 1e-3, 1e6) * TENTHS_PER_MM
     width, height = gltf.settings.size
     if source.text_at("type") == "orthographic":
@@ -43,11 +42,8 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         codes, angles = sampler.numbers(gltf.control(node.name, "sunfleck_camera.yfov"), fov_y)
         prim.animate("focalLength", Types.Float, codes, (0.5 * frame_height / np.tan(0.5 * angles)).tolist())
     _write_shift(prim, ours, frame_width, frame_height)
-    prim.set(
-        "clippingRange",
-        Types.Float2,
-        Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e7, 0)),
-    )
+    near, far = lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e7, 0)
+    prim.set("clippingRange", Types.Float2, Gf.Vec2f(near, far))
     if ours.member("fstop") is not None and ours.member("focus_distance") is not None:
         for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
             control = gltf.control(node.name, f"sunfleck_camera.{field}")

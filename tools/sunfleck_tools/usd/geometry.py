@@ -8,9 +8,8 @@ from ..gltf.meshes import Mesh, Meshes, Primitive
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from ..errors import SceneError
-from .geometry_names import texture_coordinates
 from .materials import Materials
-from .prims import Names, Prim, Types
+from .prims import Names, Prim, Types, texture_coordinates
 from .samples import Sampler, thinned
 
 MOST_BYTES = 2**28
@@ -32,9 +31,7 @@ class Geometry:
             return None
         mesh = found[1]
         bending = Bending(self.gltf, node, mesh)
-        return (
-            bending if bending.is_skinned or any(primitive.targets for primitive in mesh.primitives) else None
-        )
+        return bending if bending.is_skinned or any(primitive.targets for primitive in mesh.primitives) else None
 
     def prototype(self, node: Node) -> Sdf.Path:
         """Prototype of the node's mesh."""
@@ -89,11 +86,8 @@ def _write_faces(prim: Prim, primitive: Primitive) -> None:
         prim.set(f"primvars:{name}", Types.TexCoord2fArray, Vt.Vec2fArray.FromNumpy(flipped))
         prim.annotate(f"primvars:{name}", "interpolation", "vertex")
     if primitive.colors is not None:
-        prim.set(
-            "primvars:displayColor",
-            Types.Color3fArray,
-            Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(primitive.colors)),
-        )
+        colors = Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(primitive.colors))
+        prim.set("primvars:displayColor", Types.Color3fArray, colors)
         prim.annotate("primvars:displayColor", "interpolation", "vertex")
 
 

@@ -7,8 +7,7 @@ from pxr import Gf, Sdf
 
 from ..gltf.scene import Gltf
 from ..gltf.values import Value
-from .geometry_names import texture_coordinates
-from .prims import Names, Prim, Types
+from .prims import Names, Prim, Types, texture_coordinates
 from .textures import Textures
 
 OURS = ("sunfleck_leaf", "sunfleck_material")
@@ -40,10 +39,8 @@ class Materials:
 
     def _write(self, prim: Prim, source: Value) -> Prim:
         Surface(self, prim, source).write()
-        extras = source.member("extras")
-        ours = {}
-        if extras is not None and isinstance(extras.raw, dict):
-            ours = {name: extras.raw[name] for name in OURS if isinstance(extras.raw.get(name), dict)}
+        extras = source.extras.raw
+        ours = {name: extras[name] for name in OURS if isinstance(extras.get(name), dict)}
         for name in NOT_CARRIED:
             if (extension := source.extension(name)) is not None:
                 ours[name] = extension.raw

@@ -59,8 +59,7 @@ def _write_part(prim: Prim, node: Node, path: str, sampler: Sampler) -> list[str
 
 def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> bool:
     """Writes the visibility; returns True if it needs an operation of its own."""
-    hidden = node.source.extension("KHR_node_visibility")
-    if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
+    if not node.is_shown:
         prim.set("visibility", Types.Token, "invisible")
     control = gltf.control(node.name, "sunfleck_node.visible")
     if control is not None:

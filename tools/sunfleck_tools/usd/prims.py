@@ -117,6 +117,11 @@ def _plain(value: object) -> Any:
     return value if isinstance(value, (bool, int, float, str)) else str(value)
 
 
+def texture_coordinates(layer: int) -> str:
+    """Name of a set of texture coordinates."""
+    return "st" if layer == 0 else f"st{layer}"
+
+
 def vectors(kind: Any, rows: np.ndarray) -> Iterable:
     """Rows as an array of vectors; a single array converts twice as fast."""
     return kind.FromNumpy(np.ascontiguousarray(rows, np.float64 if kind is Vt.Vec3dArray else np.float32))

@@ -5,7 +5,7 @@ the stage refers to the same files.
 import os
 import re
 from pathlib import Path
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
 from pxr import Sdf
 
@@ -30,8 +30,7 @@ def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Na
     grid = fog.text_at("grid", USUAL_GRID)
     field = volume.child(names.new(grid), "OpenVDBAsset")
     field.set("fieldName", Types.Token, grid)
-    # Its own folder may be gone, as the renderer's export is temporary.
-    path = Path(os.path.realpath(gltf.container.path.parent / unquote(fog.need("vdb").text())))
+    path = gltf.container.beside(fog.need("vdb"))
     named = lambda file: Sdf.AssetPath(str(file) if folder is None else "./" + relative(file, folder))
     if path.is_file() or "#" not in path.name:
         field.set("filePath", Types.Asset, named(path))
