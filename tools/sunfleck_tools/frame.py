@@ -59,14 +59,7 @@ class FileBytes:
         """Fault that prevents decoding, as a sentence."""
         if self.read_error is None and self.bytes == 0:
             return "the file is empty"
-        found = (
-            self.read_error,
-            self.header_error,
-            self.claim,
-            self.unsupported,
-            *self.chunk_faults[:1],
-            self.decode_error,
-        )
+        found = (self.read_error, self.header_error, self.claim, self.unsupported, *self.chunk_faults, self.decode_error)
         return next((fault for fault in found if fault), None)
 
 

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..srgb import linear_from_srgb
 from .header import Header
 
 D65, ACES_WHITE = (0.3127, 0.329), (0.32168, 0.33767)
@@ -100,11 +101,7 @@ def _linear(color: np.ndarray, curve: float | str) -> np.ndarray:
     if curve == 1.0:
         return color
     size = np.abs(color)
-    if curve == "srgb":
-        size = np.where(size <= 0.04045, size / 12.92, ((size + 0.055) / 1.055) ** 2.4)
-    else:
-        size = size**curve
-    return np.copysign(size, color)
+    return np.copysign(linear_from_srgb(size) if curve == "srgb" else size**curve, color)
 
 
 def luminances(space: ColorSpace) -> np.ndarray:

@@ -191,27 +191,26 @@ def _name(data: bytes | mmap, at: int) -> tuple[str, int]:
     return data[at:end].decode("utf-8", "replace"), end + 1
 
 
+LAYOUTS = {
+    "int": "<i", "float": "<f", "double": "<d", "compression": "<B", "lineOrder": "<B", "box2i": "<4i", "chromaticities": "<8f",
+    "tiledesc": "<IIB", "rational": "<iI", "timecode": "<II",
+}  # fmt: skip
+"""Types of attributes with a fixed number of numbers."""
+
+
 def _value(kind: str, raw: bytes) -> object:
     if kind == "string":
         return raw.decode("utf-8", "replace")
-    if kind in ("int", "float", "double"):
-        return struct.unpack({"int": "<i", "float": "<f", "double": "<d"}[kind], raw)[0]
-    if kind == "rational":
-        numerator, denominator = struct.unpack("<iI", raw)
-        return Fraction(numerator, denominator) if denominator else raw
-    if kind in ("compression", "lineOrder"):
-        return struct.unpack("<B", raw)[0]
-    if kind == "box2i":
-        return struct.unpack("<4i", raw)
-    if kind == "chromaticities":
-        return struct.unpack("<8f", raw)
-    if kind == "tiledesc":
-        return struct.unpack("<IIB", raw)
-    if kind == "timecode":
-        return TimeCode(struct.unpack("<II", raw)[0])
     if kind == "chlist":
         return _channels(raw)
-    return raw
+    if kind not in LAYOUTS:
+        return raw
+    first, *others = numbers = struct.unpack(LAYOUTS[kind], raw)
+    if kind == "rational":
+        return Fraction(*numbers) if others[0] else raw
+    if kind == "timecode":
+        return TimeCode(first)
+    return numbers if others else first
 
 
 @dataclass(frozen=True)
