@@ -85,13 +85,9 @@ def paint_bark_normals(bark: Bark) -> list[bytes]:
     deep = FURROWS_M[bark.kind]
     heights = [[deep * bark.height(x, y) for x in range(columns)] for y in range(rows)]
     across, along = 2.0 * PICTURE_M[0] / columns, 2.0 * PICTURE_M[1] / rows
-    return [
-        b"".join(
-            facing(
-                (here[(x + 1) % columns] - here[x - 1]) / across,
-                (heights[y - 1][x] - heights[(y + 1) % rows][x]) / along,
-            )
-            for x in range(columns)
-        )
-        for y, here in enumerate(heights)
-    ]
+    def normal(x: int, y: int) -> bytes:
+        right = heights[y][(x + 1) % columns] - heights[y][x - 1]
+        up = heights[y - 1][x] - heights[(y + 1) % rows][x]
+        return facing(right / across, up / along)
+
+    return [b"".join(normal(x, y) for x in range(columns)) for y in range(rows)]

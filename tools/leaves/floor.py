@@ -90,11 +90,8 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
         roll = rng.uniform(-0.25, 0.25)
 
         def rachis(t: float) -> Vector:
-            return (
-                out[0] * length * (0.2 * t + 0.7 * t * t),
-                length * rise * (t - 0.62 * t * t),
-                out[2] * length * (0.2 * t + 0.7 * t * t),
-            )
+            far = 0.2 * t + 0.7 * t * t
+            return (out[0] * length * far, length * rise * (t - 0.62 * t * t), out[2] * length * far)
 
         for i in range(pinnae):
             t = 0.16 + 0.84 * i / pinnae
@@ -103,13 +100,8 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
             reach = length * 0.26 * math.sin(math.pi * (0.12 + 0.88 * t) ** 1.3) + 0.01
             width = length * 0.42 / pinnae
             for side in (1.0, -1.0):
-                outward = unit(
-                    (
-                        side * across[0] + 0.45 * forward[0],
-                        side * roll - 0.25,
-                        side * across[2] + 0.45 * forward[2],
-                    )
-                )
+                ahead_x, ahead_z = (side * across[i] + 0.45 * forward[i] for i in (0, 2))
+                outward = unit((ahead_x, side * roll - 0.25, ahead_z))
                 tip = along(base, outward, reach * rng.uniform(0.85, 1.1))
                 middle = along(base, outward, reach * 0.45)
                 first = len(mesh.positions)

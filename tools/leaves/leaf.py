@@ -184,10 +184,6 @@ def make_leaf(
     # What has no petiole would float beside its twig: half of the gap is taken out.
     reach = blade.petiole_length * (1.0 if stem else 0.5)
     origin = bend(0.0, -reach, 0.0, pose) if hangs else (0.0, 0.0, 0.0)
-    return Mesh(
-        positions=[
-            tuple(size * (c - o) for c, o in zip(bend(x, z, y, pose), origin)) for x, z, y in flat + stem
-        ],
-        uvs=[texture_position(blade, x, z) for x, z, _ in flat + stem],
-        faces=faces,
-    )
+    corners = flat + stem
+    positions = [tuple(size * (c - o) for c, o in zip(bend(x, z, y, pose), origin)) for x, z, y in corners]
+    return Mesh(positions, [texture_position(blade, x, z) for x, z, _ in corners], faces)

@@ -16,7 +16,7 @@ from floor import CELL_M, TILE_M, make_drifts, make_fern, make_ground
 from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
-from outlines import SPECIES, beech, maple, oak
+from outlines import SPECIES, Blade, beech, maple, oak
 from paint import EVEN, FLOORS, paint_floor, paint_leaf, paint_light_through, paint_normals
 from palettes import RAMPS
 from png import write_png
@@ -85,28 +85,22 @@ LIT_THROUGH = {
 def leaves() -> dict[str, tuple[Mesh, Detail]]:
     """Every leaf, named after species, detail and variant."""
     meshes = {}
+
+    def grow(blade: Blade, detail: Detail, pose: Pose, variant: str = "", hangs: bool = False) -> None:
+        name = f"{blade.name}_{detail.suffix}{'_hanging' * hangs}{variant}"
+        meshes[name] = make_leaf(blade, detail, TOLERANCES[detail][blade.name], pose, hangs), detail
+
     for blade in (species() for species in SPECIES):
-        pose = POSES[blade.name]
-        for detail, tolerances in TOLERANCES.items():
-            meshes[f"{blade.name}_{detail.suffix}"] = (
-                make_leaf(blade, detail, tolerances[blade.name], pose),
-                detail,
-            )
+        for detail in TOLERANCES:
+            grow(blade, detail, POSES[blade.name])
         for detail in (FAR, CANOPY):
-            hanging = make_leaf(blade, detail, TOLERANCES[detail][blade.name], pose, hangs=True)
-            meshes[f"{blade.name}_{detail.suffix}_hanging"] = (hanging, detail)
-    for name, pose in MORE_MAPLES.items():
-        if name in NEAR_MAPLES:
-            meshes[f"maple_near_{name}"] = (
-                make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose),
-                NEAR,
-            )
-        meshes[f"maple_far_{name}"] = (make_leaf(maple(name), FAR, TOLERANCES[FAR]["maple"], pose), FAR)
-    for blade, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS), (beech, MORE_BEECHES)):
+            grow(blade, detail, POSES[blade.name], hangs=True)
+    for species, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS), (beech, MORE_BEECHES)):
         for name, pose in poses.items():
-            species = blade(name).name
-            hanging = make_leaf(blade(name), CANOPY, TOLERANCES[CANOPY][species], pose, hangs=True)
-            meshes[f"{species}_canopy_hanging_{name}"] = (hanging, CANOPY)
+            grow(species(name), CANOPY, pose, f"_{name}", hangs=True)
+    for name, pose in MORE_MAPLES.items():
+        for detail in (NEAR, FAR) if name in NEAR_MAPLES else (FAR,):
+            grow(maple(name), detail, pose, f"_{name}")
     return meshes
 
 
@@ -166,13 +160,8 @@ def main() -> None:
     """Reads the command line."""
     scene = Path(__file__).resolve().parents[2] / "scenes" / "woods"
     parser = argparse.ArgumentParser(description="Makes the meshes and textures of scenes/woods.")
-    parser.add_argument(
-        "folder",
-        nargs="?",
-        type=Path,
-        default=scene,
-        help="where meshes/ and textures/ go (default: %(default)s)",
-    )
+    where = "where meshes/ and textures/ go (default: %(default)s)"
+    parser.add_argument("folder", nargs="?", type=Path, default=scene, help=where)
     parser.add_argument("--meshes", action="store_true", help="meshes only")
     parser.add_argument("--only", default="", metavar="NAME", help="textures whose names start so")
     arguments = parser.parse_args()

@@ -64,23 +64,14 @@ def distance_inside(mask: list[bytearray]) -> Map:
         above, row = d[y - 1], d[y]
         for x in range(1, size - 1):
             if row[x]:
-                row[x] = min(
-                    row[x - 1] + straight,
-                    above[x] + straight,
-                    above[x - 1] + diagonal,
-                    above[x + 1] + diagonal,
-                )
+                beside, across = min(row[x - 1], above[x]), min(above[x - 1], above[x + 1])
+                row[x] = min(beside + straight, across + diagonal)
     for y in range(size - 2, -1, -1):
         below, row = d[y + 1], d[y]
         for x in range(size - 2, 0, -1):
             if row[x]:
-                row[x] = min(
-                    row[x],
-                    row[x + 1] + straight,
-                    below[x] + straight,
-                    below[x + 1] + diagonal,
-                    below[x - 1] + diagonal,
-                )
+                beside, across = min(row[x + 1], below[x]), min(below[x + 1], below[x - 1])
+                row[x] = min(row[x], beside + straight, across + diagonal)
     return d
 
 
@@ -90,11 +81,7 @@ def stamp_line(strength: Map, a, b, radius_a: float, radius_b: float, reach: flo
     size = len(strength)
     for i in range(steps + 1):
         t = i / steps
-        cx, cy, radius = (
-            a[0] + (b[0] - a[0]) * t,
-            a[1] + (b[1] - a[1]) * t,
-            radius_a + (radius_b - radius_a) * t,
-        )
+        cx, cy, radius = (p + (q - p) * t for p, q in zip((*a, radius_a), (*b, radius_b)))
         extent = radius * reach
         for y in range(max(0, int(cy - extent)), min(size, int(cy + extent) + 2)):
             row = strength[y]

@@ -7,6 +7,7 @@ like its edge. So filtering at the outline brings in no foreign colour.
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from maps import LeafMaps, Map, add_maps, fill, noise_map
@@ -23,36 +24,35 @@ RIM = 0.16
 def local_ages(maps: LeafMaps, age: float, patchiness: float) -> Map:
     """How far each point has aged; `patchiness` is how far patches are ahead of one another
     and of the veins."""
-    rows = []
-    for edge, glow, mottle in zip(maps.edge_distance, maps.glow, maps.mottle):
-        rows.append(
-            [
-                age + patchiness * (m - 0.17 / 0.26 * g) + 0.20 * (1 - d) ** 2 + 0.02
-                for d, g, m in zip(edge, glow, mottle)
-            ]
+    return [
+        [age + patchiness * (m - 0.17 / 0.26 * g) + 0.20 * (1 - d) ** 2 + 0.02 for d, g, m in zip(*row)]
+        for row in zip(maps.edge_distance, maps.glow, maps.mottle)
+    ]
+
+
+def painted(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float, shade: Callable) -> list[bytes]:
+    """A picture: `shade` has a point's color on the ramp, vein, net, spots, mottle and distance from the edge."""
+    elsewhere = packed(ramp.at(age + 0.2))
+    ages = local_ages(maps, age, patchiness)
+    parts = (maps.margin, ages, maps.vein, maps.net, maps.spots, maps.mottle, maps.edge_distance)
+    return [
+        b"".join(
+            packed(shade(ramp.at(local), *point)) if here else elsewhere for here, local, *point in zip(*row)
         )
-    return rows
+        for row in zip(*parts)
+    ]
 
 
 def paint_leaf(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
     """What a leaf reflects."""
-    rows = []
-    elsewhere = packed(ramp.at(age + 0.2))
-    for shown, ages, veins, nets, spots, mottle in zip(
-        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots, maps.mottle
-    ):
-        row = bytearray()
-        for here, local, v, n, s, m in zip(shown, ages, veins, nets, spots, mottle):
-            if not here:
-                row += elsewhere
-                continue
-            color = ramp.at(local)
-            color = mix(color, ramp.spot, min(1.0, s * 0.75 + 0.10 * n))
-            color = mix(color, mix(color, ramp.vein, 0.8), v * 0.8)
-            shade = 1.0 + 0.07 * m
-            row += packed([c * shade for c in color])
-        rows.append(bytes(row))
-    return rows
+
+    def shade(color: Color, v: float, n: float, s: float, m: float, d: float) -> Color:
+        color = mix(color, ramp.spot, min(1.0, s * 0.75 + 0.10 * n))
+        color = mix(color, mix(color, ramp.vein, 0.8), v * 0.8)
+        light = 1.0 + 0.07 * m
+        return tuple(c * light for c in color)
+
+    return painted(maps, ramp, age, patchiness, shade)
 
 
 def packed(color: Color) -> bytes:
@@ -63,23 +63,14 @@ def packed(color: Color) -> bytes:
 def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
     """What a leaf lets through: twice through the pigments, so deeper in colour; veins, spots and the
     thicker rim hold light back."""
-    rows = []
-    elsewhere = packed(ramp.at(age + 0.2))
-    for shown, ages, veins, nets, spots, edge in zip(
-        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots, maps.edge_distance
-    ):
-        row = bytearray()
-        for here, local, v, n, s, d in zip(shown, ages, veins, nets, spots, edge):
-            if not here:
-                row += elsewhere
-                continue
-            color = ramp.at(local)
-            most = max(color)
-            held = (1 - 0.50 * v) * (1 - 0.18 * n) * (1 - 0.75 * s) * (1 - 0.55 * max(0.0, 1 - d / RIM))
-            # Brighter than the reflectance by the share that the surface does not reflect.
-            row += packed([1.12 * most * (c / most) ** 1.5 * held for c in color])
-        rows.append(bytes(row))
-    return rows
+
+    def shade(color: Color, v: float, n: float, s: float, m: float, d: float) -> Color:
+        most = max(color)
+        held = (1 - 0.50 * v) * (1 - 0.18 * n) * (1 - 0.75 * s) * (1 - 0.55 * max(0.0, 1 - d / RIM))
+        # Brighter than the reflectance by the share that the surface does not reflect.
+        return tuple(1.12 * most * (c / most) ** 1.5 * held for c in color)
+
+    return painted(maps, ramp, age, patchiness, shade)
 
 
 def relief(maps: LeafMaps) -> Map:
@@ -155,12 +146,8 @@ def paint_floor(kind: str, blades: list[Blade], size: int) -> list[bytes]:
         color = RAMPS[blade.name].at(rng.triangular(strewn.youngest, 1.0, likeliest))
         # What lies deeper is darker.
         depth = strewn.light + (1.0 - strewn.light) * late
-        x, y, turn, length = (
-            rng.uniform(0, size),
-            rng.uniform(0, size),
-            rng.uniform(0, math.tau),
-            size * rng.uniform(*strewn.length),
-        )
+        x, y, turn = rng.uniform(0, size), rng.uniform(0, size), rng.uniform(0, math.tau)
+        length = size * rng.uniform(*strewn.length)
         cos, sin = math.cos(turn) * length, math.sin(turn) * length
         flatten = rng.uniform(0.6, 1.0)
         box = int(length * 1.5)

@@ -76,13 +76,8 @@ def wander(
     """A crooked path that turns by about `bend` a step and towards the sky by `lift`."""
     path = [start]
     for _ in range(steps):
-        direction = unit(
-            (
-                direction[0] + rng.uniform(-bend, bend),
-                direction[1] + rng.uniform(-bend, bend) * 0.5 + lift,
-                direction[2] + rng.uniform(-bend, bend),
-            )
-        )
+        dx, dy, dz = (rng.uniform(-bend, bend) for _ in range(3))
+        direction = unit((direction[0] + dx, direction[1] + dy * 0.5 + lift, direction[2] + dz))
         path.append(along(path[-1], direction, length / steps))
     return path
 
@@ -148,26 +143,15 @@ FOOT = (-0.3, 0.0, 0.2, 0.45, 0.8, 1.3, 2.0, 3.0)
 def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[float], Mesh]:
     """Path, radii and mesh of a trunk, whose foot flares into roots."""
     steps, depth = 12, 0.4
-    path = wander(
-        (0.0, -depth, 0.0),
-        (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08)),
-        habit.height_m,
-        steps,
-        habit.bend * 0.4,
-        0.10,
-        rng,
-    )
+    upwards = (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08))
+    path = wander((0.0, -depth, 0.0), upwards, habit.height_m, steps, habit.bend * 0.4, 0.10, rng)
     # Two more points near the ground; limbs start at shares of the number of points.
     path[1:1] = [tuple(a + (b - a) * t for a, b in zip(path[0], path[1])) for t in (0.35, 0.65)]
     shares = [0.0, 0.35 / steps, 0.65 / steps] + [i / steps for i in range(1, steps + 1)]
     foot = [(depth + height * habit.girth_m) / habit.height_m for height in FOOT]
     rings = [0.0, *foot, *(share for share in shares if share > 1.2 * foot[-1])]
-    mesh = tube(
-        [within(path, shares, share) for share in rings],
-        [radius(habit, share) for share in rings],
-        habit.sides,
-        (max(1, round(habit.girth_m * 8)), 2.0),
-    )
+    line, girths = [within(path, shares, share) for share in rings], [radius(habit, share) for share in rings]
+    mesh = tube(line, girths, habit.sides, (max(1, round(habit.girth_m * 8)), 2.0))
     phase, row = rng.uniform(0, math.tau), habit.sides + 1
     for i, position in enumerate(mesh.positions):
         share, angle = rings[i // row], math.tau * (i % row % habit.sides) / habit.sides
@@ -208,11 +192,8 @@ def at(path: list[Vector], values: list[float], share: float) -> tuple[Vector, V
     step = min(int(place), len(path) - 2)
     t = place - step
     point = tuple(a + (b - a) * t for a, b in zip(path[step], path[step + 1]))
-    return (
-        point,
-        unit(subtract(path[step + 1], path[step])),
-        values[step] + (values[step + 1] - values[step]) * t,
-    )
+    heading = unit(subtract(path[step + 1], path[step]))
+    return point, heading, values[step] + (values[step + 1] - values[step]) * t
 
 
 def sideways(direction: Vector, angle: float, forward: float) -> Vector:
@@ -269,13 +250,6 @@ def add_limb(
             side = rng.uniform(-0.7, 0.7) + (math.pi if k % 2 else 0.0)
             heading = direction if k == habit.twigs - 1 else sideways(direction, side, 0.8)
             heading = unit((heading[0], heading[1] - habit.droop, heading[2]))
-            twig = wander(
-                point,
-                heading,
-                habit.twig_length_m * rng.uniform(0.6, 1.2),
-                1,
-                0.2,
-                -0.10 - 0.3 * habit.droop,
-                rng,
-            )
+            length_m = habit.twig_length_m * rng.uniform(0.6, 1.2)
+            twig = wander(point, heading, length_m, 1, 0.2, -0.10 - 0.3 * habit.droop, rng)
             tree.twigs.add(thin_tube(twig[0], twig[-1], (0.006, 0.003), habit.twig_sides))
