@@ -35,11 +35,8 @@ def build(scene: PeerScene, denoiser: str | None = None):
     folder = Path(tempfile.mkdtemp())
     for index, surface in enumerate(scene.surfaces):
         points = surface.positions @ BLENDER_FROM_GLTF[:3, :3].T
-        material = matte(
-            surface.reflectance,
-            surface.texture and image_of(surface.texture.picture, folder),
-            surface.texture,
-        )
+        picture = surface.texture and image_of(surface.texture.picture, folder)
+        material = matte(surface.reflectance, picture, surface.texture)
         add_mesh(made, f"surface_{index}", points, surface.triangles, material, surface.uvs)
     if scene.sky is not None:
         add_sky(made, scene.sky, folder)

@@ -70,11 +70,8 @@ def measure(
         for count in samples:
             picture, seconds = render(count, count)
             if pictures is not None:
-                write_frame(
-                    pictures / f"{name}.{count:04d}.exr",
-                    picture,
-                    f"{label} {peer.version()}, {count} samples a pixel",
-                )
+                told = f"{label} {peer.version()}, {count} samples a pixel"
+                write_frame(pictures / f"{name}.{count:04d}.exr", picture, told)
             rmse = ratio = None
             if reference is not None:
                 square = float(np.mean((picture - reference) ** 2))

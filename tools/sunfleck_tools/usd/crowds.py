@@ -90,12 +90,8 @@ def _say_names(prim: Prim, nodes: list[Node]) -> None:
     ids = [found for node in nodes if (found := node.extras.member("leaf_id")) is not None]
     if len({each.raw for each in ids}) == len(nodes):
         prim.set("ids", Types.Int64Array, Vt.Int64Array([each.whole() for each in ids]))
-    prim.set(
-        "userProperties:sunfleck_names",
-        Types.StringArray,
-        Vt.StringArray([node.key for node in nodes]),
-        custom=True,
-    )
+    names = Vt.StringArray([node.key for node in nodes])
+    prim.set("userProperties:sunfleck_names", Types.StringArray, names, custom=True)
 
 
 def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler, paths: list[str]) -> None:

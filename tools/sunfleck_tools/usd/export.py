@@ -159,12 +159,8 @@ class _Export:
 
     def _is_plain(self, node: Node) -> bool:
         """True if the node has only an undeformed mesh."""
-        things = [
-            node.source.member("camera"),
-            kind_of(node, self.gltf),
-            node.extras.member("sunfleck_fog_volume"),
-            node.extras.member("sunfleck_object"),
-        ]
+        things = [node.source.member("camera"), kind_of(node, self.gltf)]
+        things += [node.extras.member(name) for name in ("sunfleck_fog_volume", "sunfleck_object")]
         controlled = self.gltf.control(node.name, "sunfleck_node.visible") is not None
         controlled |= node.source.extension("KHR_node_visibility") is not None
         alone = not node.children and all(thing is None for thing in things) and not controlled

@@ -33,11 +33,8 @@ def write_sky(
         picture = Sdf.AssetPath(textures.picture_file("sky", sky.gradient))
     brightest = float(sky.radiance.max())
     prim.set("inputs:intensity", Types.Float, brightest)
-    prim.set(
-        "inputs:color",
-        Types.Color3f,
-        Gf.Vec3f(*(sky.radiance / brightest if brightest > 0 else sky.radiance).tolist()),
-    )
+    color = sky.radiance / brightest if brightest > 0 else sky.radiance
+    prim.set("inputs:color", Types.Color3f, Gf.Vec3f(*color.tolist()))
     if picture is not None:
         prim.set("inputs:texture:file", Types.Asset, picture)
         prim.set("inputs:texture:format", Types.Token, "latlong")

@@ -73,11 +73,8 @@ class Bakery:
         colors = np.maximum(colors[..., :3], 0)
         brightest = max(float(colors.max()), 1.0)
         if brightest > 1:
-            self.lost.add(
-                "usd-texture-range",
-                rgb.texture.place,
-                f"emission up to {brightest:.4g} has 256 steps a channel",
-            )
+            what = f"emission up to {brightest:.4g} has 256 steps a channel"
+            self.lost.add("usd-texture-range", rgb.texture.place, what)
         return [brightest] * 3, self._baked(
             ("emission", key), srgb_from_linear(colors / brightest), placement
         )
@@ -86,11 +83,8 @@ class Bakery:
         """Factors where glTF has no texture that is honoured: the mean of the texture."""
         if fed.texture is None:
             return fed.numbers
-        self.lost.add(
-            "usd-texture-packing",
-            fed.texture.place,
-            "its mean stands for a texture: glTF has no place for it",
-        )
+        what = "its mean stands for a texture: glTF has no place for it"
+        self.lost.add("usd-texture-packing", fed.texture.place, what)
         return self.planes.mean(fed)
 
     def shares(self, slots: dict[int, Fed]) -> tuple[dict[int, float], dict | None]:
@@ -119,11 +113,8 @@ class Bakery:
         texture = fed.texture
         is_bare = texture.bias is None and texture.scale == (1.0,) * 4
         if is_bare and self._picture(texture).bits < 32:
-            self.lost.add(
-                "usd-normal-map",
-                texture.place,
-                "a normal map without scale and bias is taken as one from -1 to 1",
-            )
+            what = "a normal map without scale and bias is taken as one from -1 to 1"
+            self.lost.add("usd-normal-map", texture.place, what)
             texture = replace(texture, scale=NORMALS[0], bias=NORMALS[1])
         is_usual = texture.scale[:3] == NORMALS[0][:3] and (texture.bias or ())[:3] == NORMALS[1][:3]
         if is_usual and texture.space != "sRGB" and self._is_carried(texture) and fed.output == "rgb":
@@ -134,26 +125,17 @@ class Bakery:
     def _readable(self, inputs: list[Fed]) -> list[Fed]:
         """Inputs whose textures fit into one picture; those with other placements, or without coordinates,
         become their mean."""
-        first = next(
-            (
-                fed.texture.placement
-                for fed in inputs
-                if fed.texture is not None and fed.texture.placement.layer >= 0
-            ),
-            None,
-        )
+        placements = (fed.map.placement for fed in inputs if fed.texture is not None)
+        first = next((each for each in placements if each.layer >= 0), None)
         return [
             fed if fed.texture is None or fed.texture.placement == first else self._mean(fed)
             for fed in inputs
         ]
 
     def _mean(self, fed: Fed) -> Fed:
-        is_bare = fed.map.placement.layer < 0
-        why = (
-            "the mesh has no coordinates for it"
-            if is_bare
-            else "it lies elsewhere than another that it has to be packed with"
-        )
+        why = "it lies elsewhere than another that it has to be packed with"
+        if fed.map.placement.layer < 0:
+            why = "the mesh has no coordinates for it"
         self.lost.add("usd-texture-packing", fed.map.place, f"its mean stands for a texture: {why}")
         return Fed(self.planes.mean(fed))
 
@@ -168,40 +150,27 @@ class Bakery:
         texture = fed.map
         is_scaled = texture.bias is None or not any(texture.bias[:3])
         in_range = all(0 <= each <= most for each in texture.scale[:3])
-        return (
-            self._is_carried(texture)
-            and fed.output == "rgb"
-            and self.planes.is_srgb(texture, True)
-            and is_scaled
-            and in_range
-        )
+        is_plain = self._is_carried(texture) and fed.output == "rgb" and self.planes.is_srgb(texture, True)
+        return is_plain and is_scaled and in_range
 
     def _is_alpha_of(self, alpha: Fed, other: Texture) -> bool:
         texture = alpha.map
         is_plain = (texture.bias is None or not texture.bias[3]) and 0 <= texture.scale[3] <= 1
-        return (
-            alpha.output == "a"
-            and is_plain
-            and (texture.files, texture.placement) == (other.files, other.placement)
-        )
+        is_beside = (texture.files, texture.placement) == (other.files, other.placement)
+        return alpha.output == "a" and is_plain and is_beside
 
     def _is_packed(self, slots: dict[int, Fed], textured: dict[int, Fed]) -> bool:
         """Whether a file has its values in glTF's channels, and inputs without a texture are 0."""
         textures = [fed.map for fed in textured.values()]
-        if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(
-            textures[0]
-        ):
+        files = {(texture.files, texture.placement) for texture in textures}
+        if len(files) > 1 or not self._is_carried(textures[0]):
             return False
         if any(fed.numbers[0] != 0 for slot, fed in slots.items() if slot not in textured):
             return False
         for slot, fed in textured.items():
             texture, bias = fed.map, fed.map.bias
-            is_plain = (
-                (bias is None or not bias[slot])
-                and 0 <= texture.scale[slot] <= 1
-                and not self.planes.is_srgb(texture, False)
-            )
-            if not is_plain or fed.output != "rgb"[slot]:
+            in_range = (bias is None or not bias[slot]) and 0 <= texture.scale[slot] <= 1
+            if not in_range or self.planes.is_srgb(texture, False) or fed.output != "rgb"[slot]:
                 return False
         return True
 

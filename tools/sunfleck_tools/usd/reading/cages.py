@@ -187,14 +187,10 @@ class Refiner:
 
 def depth_of(faces: int, largest: int) -> int:
     """Maximum number of levels for cages with `faces` faces together, of which the largest has `largest`."""
-    return max(
-        (
-            each
-            for each in range(LEVELS + 1)
-            if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE
-        ),
-        default=0,
-    )
+    for depth in range(LEVELS, 0, -1):
+        if faces * 4**depth <= MOST_REFINED and largest * 4**depth <= MOST_OF_ONE:
+            return depth
+    return 0
 
 
 def _cage(
@@ -242,12 +238,5 @@ def _cage(
     at_vertex[tips] = np.where(np.isnan(tip_sharpness), 0.0, tip_sharpness)
     rule = value_of(mesh.GetTriangleSubdivisionRuleAttr(), code)
     is_loop = scheme == UsdGeom.Tokens.loop
-    return Cage(
-        counts,
-        corners,
-        ends,
-        np.where(np.isnan(crease), 0.0, crease),
-        at_vertex,
-        is_loop,
-        rule == UsdGeom.Tokens.smooth,
-    )
+    sharp = np.where(np.isnan(crease), 0.0, crease)
+    return Cage(counts, corners, ends, sharp, at_vertex, is_loop, rule == UsdGeom.Tokens.smooth)

@@ -92,9 +92,8 @@ def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[floa
     said = f"time codes {start:g} to {end:g} are no range of 1 to {MOST_FRAMES} frames"
     sampled = _of_samples(stage)
     if _is_range(*sampled, codes_per_frame):
-        lost.add(
-            "usd-clock", "/", f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken"
-        )
+        what = f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken"
+        lost.add("usd-clock", "/", what)
         return sampled
     first = (
         max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame

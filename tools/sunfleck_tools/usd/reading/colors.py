@@ -36,11 +36,8 @@ def vertex_colors(
             rows.append(None)
             continue
         if primvar.ValueMightBeTimeVarying():
-            lost.add(
-                "usd-material-animated",
-                prim,
-                f"its {name} changes over time; that of the first frame is taken",
-            )
+            what = f"its {name} changes over time; that of the first frame is taken"
+            lost.add("usd-material-animated", prim, what)
         found = spread(primvar.ComputeFlattened(code), primvar.GetInterpolation(), width)
         if found is None:
             lost.add("usd-material-value", prim, f"its {name} does not fit the mesh, and is left out")

@@ -50,19 +50,15 @@ class _Reader:
         self.prototypes = self._prototypes()
         names = ("protoIndices", "ids", "invisibleIds", "positions", "orientations", "orientationsf", "scales",
                  "velocities", "accelerations", "angularVelocities")  # fmt: skip
+        found = (UsdGeom.PrimvarsAPI(prim).GetPrimvar(name) for name, _ in NAMES)
+        self.colored = [primvar for primvar in found if primvar and primvar.HasValue()]
         self._colors: dict[int, np.ndarray | None] = {}
-        self._has_colors: bool | None = None
-        self._colors_change = False
         say_other_primvars(prim, lost)
-        self.codes = codes_of(
-            [prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes
-        )
+        self.codes = codes_of([prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes)
         if is_carried(prim):
             self.codes = while_carried(self.codes, source.codes)
         ids = self.instancer.GetIdsAttr()
-        self.mixes = (
-            not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()
-        )
+        self.mixes = not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()
 
     def _prototypes(self) -> list[Usd.Prim]:
         path, stage = self.prim.GetPath(), self.prim.GetStage()
@@ -93,9 +89,8 @@ class _Reader:
             raise SceneError(f"{self.prim.GetPath()}: {problems[0]}")
         for code, (*_, what) in zip(self.codes.tolist(), moments):
             if what:
-                self.lost.add(
-                    "usd-instances", self.prim, f"{what} at time code {code:g}; nothing is seen then"
-                )
+                said = f"{what} at time code {code:g}; nothing is seen then"
+                self.lost.add("usd-instances", self.prim, said)
         # A row for each instance at each code: id, prototype, index of the code, index in the arrays.
         each = [
             (keys, numbers, np.full(len(keys), at), np.arange(len(keys)))
@@ -127,16 +122,8 @@ class _Reader:
         names = self._names()
         name = names[place] if place < len(names) and not self._changes() else f"{self.prim.GetName()}.{key}"
         leaf_id = key if self._has_ids() and 0 <= key < 2**31 else None
-        member = Member(
-            name,
-            leaf_id,
-            self.prototypes[number],
-            self.codes[rows[:, 2]],
-            placed,
-            self.codes[turns],
-            is_seen[turns],
-            self._color(rows),
-        )
+        codes, color, seen = self.codes[rows[:, 2]], self._color(rows), (self.codes[turns], is_seen[turns])
+        member = Member(name, leaf_id, self.prototypes[number], codes, placed, *seen, color)
         return (at, place), member
 
     def _color(self, rows: np.ndarray) -> tuple[float, ...] | None:
@@ -153,20 +140,13 @@ class _Reader:
         return found[0] if found else None
 
     def _colors_at(self, at: int) -> np.ndarray | None:
-        if at not in self._colors:
-            if self._has_colors is None:
-                primvars = UsdGeom.PrimvarsAPI(self.prim)
-                attributes = [primvars.GetPrimvar(name) for name, _ in NAMES]
-                self._has_colors = any(each and each.HasValue() for each in attributes)
-                self._colors_change = any(each and each.ValueMightBeTimeVarying() for each in attributes)
-            if not self._has_colors:
-                return None
-            if not self._colors_change and self._colors:
-                self._colors[at] = next(iter(self._colors.values()))
-            else:
-                count = len(self.instancer.GetProtoIndicesAttr().Get(float(self.codes[at])) or ())
-                self._colors[at] = instance_colors(self.prim, float(self.codes[at]), count, self.lost)
-        return self._colors[at]
+        if not self.colored:
+            return None
+        key = at if any(primvar.ValueMightBeTimeVarying() for primvar in self.colored) else -1
+        if key not in self._colors:
+            count = len(self.instancer.GetProtoIndicesAttr().Get(float(self.codes[at])) or ())
+            self._colors[key] = instance_colors(self.prim, float(self.codes[at]), count, self.lost)
+        return self._colors[key]
 
     def _changes(self) -> bool:
         return any(

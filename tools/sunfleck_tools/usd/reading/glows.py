@@ -21,11 +21,8 @@ def read_glow(prim: Usd.Prim, source: Source, lost: Losses) -> tuple[float, floa
     if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
         lost.add("usd-light-input", prim, "how it changes over time is not carried")
     inputs.say_the_rest("MeshLight")
-    lost.add(
-        "usd-mesh-light",
-        prim,
-        "a mesh that is a light is seen to shine, and lights other things by indirect light alone",
-    )
+    what = "a mesh that is a light is seen to shine, and lights other things by indirect light alone"
+    lost.add("usd-mesh-light", prim, what)
     return tuple(radiance.tolist())
 
 

@@ -16,17 +16,9 @@ RESTS = {
 }  # fmt: skip
 """Unsupported inputs, and their neutral values."""
 NAMES = (
-    "intensity",
-    "exposure",
-    "color",
-    "radius",
-    "length",
-    "width",
-    "height",
-    "angle",
-    "enableColorTemperature",
+    "intensity", "exposure", "color", "radius", "length", "width", "height", "angle", "enableColorTemperature",
     "colorTemperature",
-)
+)  # fmt: skip
 CONE = ("shaping:cone:angle", "shaping:cone:softness")
 MEAN_SIZE = 256
 
@@ -77,11 +69,8 @@ class LampInputs:
             value = attribute.Get(code) if attribute else None
             numbers = default if value is None else numbers_in(value, len(default))
             if numbers is None:
-                self.lost.add(
-                    "usd-light-value",
-                    self.prim,
-                    f"its {name} is not finite, or no number, and {default[0]:g} is taken",
-                )
+                what = f"its {name} is not finite, or no number, and {default[0]:g} is taken"
+                self.lost.add("usd-light-value", self.prim, what)
             rows.append(numbers or default)
         return np.array(rows)
 
@@ -95,9 +84,8 @@ class LampInputs:
             return np.ones(3)
         found = numbers_in(light.GetColorTemperatureAttr().Get(code), 1)
         if found is None:
-            self.lost.add(
-                "usd-light-value", self.prim, "its colorTemperature is not finite, and is passed over"
-            )
+            what = "its colorTemperature is not finite, and is passed over"
+            self.lost.add("usd-light-value", self.prim, what)
             return np.ones(3)
         kelvin = found[0]
         if not COLDEST <= kelvin <= HOTTEST:

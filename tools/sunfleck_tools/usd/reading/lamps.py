@@ -108,15 +108,11 @@ class _Reader:
         squares = np.sin(0.5 * np.minimum(angles, 2 * math.pi)) ** 2
         size = math.pi * np.where(angles > math.pi, 2 - squares, squares)
         size = np.where(angles > 0, size, 1.0)
-        irradiance = (
-            self.radiance(size)
-            * np.where(angles > math.pi, math.pi, size)[:, None]
-            / (BLENDER_SUN if self.blenders else 1.0)
-        )
+        irradiance = self.radiance(size) * np.where(angles > math.pi, math.pi, size)[:, None]
+        irradiance = irradiance / (BLENDER_SUN if self.blenders else 1.0)
         if angles.max() > WIDEST_SUN:
-            self.lost.add(
-                "usd-light-shape", self.prim, "a DistantLight wider than 179 degrees is one of 179 degrees"
-            )
+            what = "a DistantLight wider than 179 degrees is one of 179 degrees"
+            self.lost.add("usd-light-shape", self.prim, what)
             angles = np.minimum(angles, WIDEST_SUN)
         lamp = Lamp(self._light("directional", irradiance), {"angle": angles[0]} if angles.max() > 0 else {})
         self._carry(lamp, "strength_w_m2", irradiance)
@@ -152,11 +148,8 @@ class _Reader:
         """Area of a cylinder along x without caps; its ends count as circles of their mean radius."""
         world = self.linears()
         along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
-        around = (
-            0.5
-            * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1)
-            * np.maximum(self.number("radius", 0.5), 0)
-        )
+        radii = np.maximum(self.number("radius", 0.5), 0)
+        around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * radii
         self.lost.add("usd-light-shape", self.prim, "a CylinderLight is a sphere of the same area")
         return 2 * math.pi * around * along
 
@@ -166,9 +159,8 @@ class _Reader:
         softness = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
         if outer[0] > math.pi / 2:
             if outer[0] < math.pi - 1e-6:
-                self.lost.add(
-                    "usd-light-cone", self.prim, "a cone wider than a half space shines to all sides"
-                )
+                what = "a cone wider than a half space shines to all sides"
+                self.lost.add("usd-light-cone", self.prim, what)
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)
         blend = softness if self.source.by_us or self.source.by_blender else _blend(outer, softness)

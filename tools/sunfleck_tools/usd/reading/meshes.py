@@ -109,13 +109,9 @@ class Meshes:
     def _take_turns(self, node: int, span: Span) -> None:
         """Shows a node during a span."""
         edges = {self.source.first: span.start <= self.source.first < span.end}
-        edges.update(
-            {
-                code: is_start
-                for code, is_start in ((span.start, True), (span.end, False))
-                if self.source.first < code < np.inf
-            }
-        )
+        for code, is_start in ((span.start, True), (span.end, False)):
+            if self.source.first < code < np.inf:
+                edges[code] = is_start
         codes = np.array(sorted(edges))
         self.nodes.show(node, codes, np.array([edges[code] for code in codes.tolist()]))
 

@@ -47,11 +47,8 @@ class Nodes:
         at: int | None = number
         while at is not None:
             node = self.of(at)
-            found = (
-                turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0]))
-                @ np.diag(node.get("scale", [1.0] * 3))
-                @ found
-            )
+            turn = turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0]))
+            found = turn @ np.diag(node.get("scale", [1.0] * 3)) @ found
             at = self._parents.get(at)
         return found
 
@@ -74,11 +71,8 @@ class Nodes:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
             return node
         if len(codes) > 1:
-            self.lost.add(
-                "usd-shear",
-                self.of(node)["name"],
-                "shears as it moves: it is right at samples, less so between them",
-            )
+            what = "shears as it moves: it is right at samples, less so between them"
+            self.lost.add("usd-shear", self.of(node)["name"], what)
         outer, scales, inner = sheared(matrices)
         self._move(node, codes, {"translation": translations, "rotation": outer, "scale": scales})
         last = self.add(f"{self.of(node)['name']} (sheared)", node)

@@ -106,19 +106,12 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
     """Quaternions of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
     m = turns
     trace = np.trace(m, axis1=1, axis2=2)
-    squares = np.stack(
-        [1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace],
-        axis=1,
-    )
+    squares = np.array([*(1 + 2 * np.diagonal(m, axis1=1, axis2=2).T - trace), 1 + trace])
     a, b, c = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
     xy, xz, yz = m[:, 0, 1] + m[:, 1, 0], m[:, 0, 2] + m[:, 2, 0], m[:, 1, 2] + m[:, 2, 1]
-    columns = [
-        np.stack([squares[:, 0], xy, xz, a], axis=1),
-        np.stack([xy, squares[:, 1], yz, b], axis=1),
-        np.stack([xz, yz, squares[:, 2], c], axis=1),
-        np.stack([a, b, c, squares[:, 3]], axis=1),
-    ]
-    chosen = np.choose(np.argmax(squares, axis=1)[:, None], columns)
+    x, y, z, w = squares
+    table = np.array([[x, xy, xz, a], [xy, y, yz, b], [xz, yz, z, c], [a, b, c, w]])
+    chosen = table[np.argmax(squares, axis=0), :, np.arange(len(m))]
     return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
 
 

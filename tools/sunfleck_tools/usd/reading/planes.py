@@ -45,11 +45,8 @@ class Planes:
         columns, rows = _grid(inputs)
         shrink = min(1.0, (MOST_BAKED / (wide * high * columns * rows)) ** 0.5)
         if shrink < 1:
-            self.lost.add(
-                "usd-texture-size",
-                inputs[0].map.place,
-                f"{columns * wide} x {rows * high} texels are made fewer",
-            )
+            what = f"{columns * wide} x {rows * high} texels are made fewer"
+            self.lost.add("usd-texture-size", inputs[0].map.place, what)
         return max(int(wide * shrink), 1), max(int(high * shrink), 1)
 
     def read(
@@ -79,11 +76,9 @@ class Planes:
                 ..., first : first + whole.shape[2]
             ]
         # One channel becomes all three of a colour.
-        return (
-            whole * np.array(fed.numbers, np.float32)
-            if fed.output == "rgb" or len(fed.numbers) == 3
-            else whole * fed.numbers[0]
-        )
+        if fed.output == "rgb" or len(fed.numbers) == 3:
+            return whole * np.array(fed.numbers, np.float32)
+        return whole * fed.numbers[0]
 
 
 def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:

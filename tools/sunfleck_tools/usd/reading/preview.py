@@ -122,11 +122,8 @@ class Preview:
                 self.network.say("specularColor that changes over time")
             # An index of 0 in KHR_materials_ior leaves the specular colour alone.
             _extend(looks, "KHR_materials_ior", {"ior": 0.0})
-            _extend(
-                looks,
-                "KHR_materials_specular",
-                {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]},
-            )
+            factors = [min(max(each, 0.0), 1.0) for each in color]
+            _extend(looks, "KHR_materials_specular", {"specularColorFactor": factors})
             return
         index = max(self.network.number("ior"), 1.0)
         if index == 1:

@@ -81,12 +81,8 @@ class Primvars:
         names: list[str] = []
         for name, kind, primvar in self._coordinates()[:MOST_LAYERS]:
             width = 3 if "3" in str(kind) else 2
-            found = self.fit(
-                f"TEXCOORD_{len(names)}",
-                primvar.ComputeFlattened(self.code),
-                primvar.GetInterpolation(),
-                width,
-            )
+            values = primvar.ComputeFlattened(self.code)
+            found = self.fit(f"TEXCOORD_{len(names)}", values, primvar.GetInterpolation(), width)
             if found is not None:
                 streams.append(
                     Stream(found.name, found.values[:, :2] * UPWARD + FROM_TOP, found.interpolation)

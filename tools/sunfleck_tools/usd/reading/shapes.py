@@ -179,11 +179,8 @@ class ShapeReader:
             self._refiner = Refiner(depth_of(*_cage_faces(self.source)))
         if self._refiner.depth < LEVELS:
             what = "is refined once" if self._refiner.depth else "is not refined"
-            self.lost.add(
-                "usd-subdivision",
-                prim,
-                f"{what}: the stage's subdivision surfaces have too many faces for two levels",
-            )
+            said = f"{what}: the stage's subdivision surfaces have too many faces for two levels"
+            self.lost.add("usd-subdivision", prim, said)
         return self._refiner if self._refiner.depth > 0 else None
 
 

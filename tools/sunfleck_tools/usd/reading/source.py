@@ -104,19 +104,10 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     _say_what_is_missing(path, stage, lost)
     _put_unit_right(stage, lost)
     fps, codes_per_second, codes = read_clock(path, stage, options.frames, lost)
-    said = stage.GetRootLayer().documentation
+    by_blender = stage.GetRootLayer().documentation.startswith("Blender v")
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
-    is_for = ours.get("for") if isinstance(ours, dict) else None
-    return Source(
-        path,
-        stage,
-        fps,
-        codes_per_second,
-        codes,
-        said.startswith("Blender v"),
-        bool(ours),
-        is_for == "blender",
-    )
+    for_blender = isinstance(ours, dict) and ours.get("for") == "blender"
+    return Source(path, stage, fps, codes_per_second, codes, by_blender, bool(ours), for_blender)
 
 
 def _metres(stage: Usd.Stage) -> float:

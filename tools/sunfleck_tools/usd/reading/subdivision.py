@@ -67,11 +67,8 @@ class Cage:
     def edges(self) -> "Edges":
         """Unique edges."""
         starts, ends = self.corners, self.corners[self.next_corner]
-        keys, of_corner, faces = np.unique(
-            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends),
-            return_inverse=True,
-            return_counts=True,
-        )
+        numbers = np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends)
+        keys, of_corner, faces = np.unique(numbers, return_inverse=True, return_counts=True)
         sharpness = np.zeros(len(keys))
         if len(self.crease_ends):
             wanted = self.crease_ends.min(axis=1) * self.vertices + self.crease_ends.max(axis=1)

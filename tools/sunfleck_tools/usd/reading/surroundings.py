@@ -65,9 +65,8 @@ class Surroundings:
             return
         hidden = seen(up_to(light, light.GetStage().GetPseudoRoot()), self.source)
         if hidden is not None and hidden[1].any():
-            self.lost.add(
-                "usd-dome-animated", light, "a sky that is seen for a while is seen as it is at first"
-            )
+            what = "a sky that is seen for a while is seen as it is at first"
+            self.lost.add("usd-dome-animated", light, what)
         if hidden is not None and not hidden[1][0]:
             return
         self._has_dome = True

@@ -91,10 +91,8 @@ def _exr_head(resolved: str, data: bytes) -> Picture:
         raise PictureError(f"is a damaged OpenEXR file: {error}") from None
     if fault := claims_too_much(headers, len(data)):
         raise PictureError(fault)
-    header = headers[0]
-    return Picture(
-        resolved, data, "EXR", _checked(header.size, MOST_FLOATS), min(len(header.channels), 4), 32, False
-    )
+    size = _checked(headers[0].size, MOST_FLOATS)
+    return Picture(resolved, data, "EXR", size, min(len(headers[0].channels), 4), 32, False)
 
 
 def _exr_texels(data: bytes) -> np.ndarray:
@@ -114,24 +112,12 @@ def _exr_texels(data: bytes) -> np.ndarray:
 
 def _pillow_head(resolved: str, data: bytes) -> Picture:
     with _opened(data) as image:
-        channels = (
-            4
-            if image.has_transparency_data and image.mode == "P"
-            else 3
-            if image.mode == "P"
-            else len(image.getbands())
-        )
-        bits = (
-            16
-            if image.mode.startswith("I") or (image.format == "PNG" and data[24] == 16)
-            else 32
-            if image.mode == "F"
-            else 8
-        )
+        channels = len(image.getbands()) if image.mode != "P" else 3 + image.has_transparency_data
+        is_deep = image.mode.startswith("I") or (image.format == "PNG" and data[24] == 16)
+        bits = 16 if is_deep else 32 if image.mode == "F" else 8
         is_carried = image.format in CARRIED and image.mode in CARRIED_MODES
-        picture = Picture(
-            resolved, data, image.format or "", _checked(image.size, MOST_TEXELS), channels, bits, is_carried
-        )
+        size = _checked(image.size, MOST_TEXELS)
+        picture = Picture(resolved, data, image.format or "", size, channels, bits, is_carried)
     if is_carried:
         _verify(data)
     return picture

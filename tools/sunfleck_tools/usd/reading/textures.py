@@ -89,14 +89,8 @@ class Textures:
         space = self._space(shader, producers[0])
         bias = self._numbers(shader, "bias", None)
         scale = self._numbers(shader, "scale", (1.0,) * 4)
-        return Texture(
-            str(shader.GetPath()),
-            tuple(sorted(files.items())),
-            space,
-            scale,
-            bias,
-            self._placement(shader, layers),
-        )
+        path, placement = str(shader.GetPath()), self._placement(shader, layers)
+        return Texture(path, tuple(sorted(files.items())), space, scale, bias, placement)
 
     def fallback(self, shader: UsdShade.Shader) -> tuple[float, ...] | None:
         """Fallback of a node for an unreadable file, if it has one."""
@@ -119,9 +113,8 @@ class Textures:
         """Readable files by column and row of their tiles; column 0, row 0 without tiles."""
         value = attribute.Get(self.code)
         if changes(attribute, self.codes):
-            self.lost.add(
-                "usd-material-animated", place, "its file changes over time; that of the first frame is taken"
-            )
+            what = "its file changes over time; that of the first frame is taken"
+            self.lost.add("usd-material-animated", place, what)
         named, resolved = (
             (value.path, value.resolvedPath) if isinstance(value, Sdf.AssetPath) else (str(value or ""), "")
         )
@@ -163,20 +156,16 @@ class Textures:
         if name.lower().startswith(SRGB):
             return "sRGB"
         if name != "auto" and not name.lower().startswith(LINEAR):
-            self.lost.add(
-                "usd-material-input",
-                shader,
-                f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709",
-            )
+            what = f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709"
+            self.lost.add("usd-material-input", shader, what)
         return "raw" if name != "auto" else "auto"
 
     def _placement(self, shader: UsdShade.Shader, layers: list[str]) -> Placement:
         """Set of coordinates and their transform; layer -1 for a mesh without coordinates."""
         wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
         if "black" in wraps:
-            self.lost.add(
-                "usd-texture-wrap", shader, "black around a texture is not carried: its edges go on"
-            )
+            said = "black around a texture is not carried: its edges go on"
+            self.lost.add("usd-texture-wrap", shader, said)
         wraps = self._address_modes(shader, wraps)
         node, moved = _before(shader, "st") or _before(shader, "texcoord"), None
         if node and node.GetIdAttr().Get() == "UsdTransform2d":
@@ -199,9 +188,8 @@ class Textures:
         modes = [self._value(shader, f"{axis}addressmode", None) for axis in "uv"]
         said = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
         if "constant" in modes:
-            self.lost.add(
-                "usd-texture-wrap", shader, "one value around a texture is not carried: its edges go on"
-            )
+            what = "one value around a texture is not carried: its edges go on"
+            self.lost.add("usd-texture-wrap", shader, what)
         return [wrap if mode is None else said.get(str(mode), wrap) for wrap, mode in zip(wraps, modes)]
 
     def _tiled(self, shader: UsdShade.Shader, moved: tuple | None) -> tuple | None:
@@ -239,9 +227,8 @@ class Textures:
         said = [numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()]
         numbers = [each for each in said if each is not None]
         if None in said:
-            self.lost.add(
-                "usd-material-input", shader, "moves a texture by what are no numbers, and is left out"
-            )
+            what = "moves a texture by what are no numbers, and is left out"
+            self.lost.add("usd-material-input", shader, what)
             return None
         (degrees,), (wide, high), (x, y) = numbers
         angle = math.radians(degrees)

@@ -65,12 +65,8 @@ def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 def fans_of(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Triangles around the first corner of each face, as of `triangulate`."""
     fans = np.empty((len(places), places.shape[1] - 2, 4), np.int64)
-    fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = (
-        places[:, :1],
-        places[:, 1:-1],
-        places[:, 2:],
-        faces[:, None],
-    )
+    fans[:, :, 0], fans[:, :, 1] = places[:, :1], places[:, 1:-1]
+    fans[:, :, 2], fans[:, :, 3] = places[:, 2:], faces[:, None]
     return fans.reshape(-1, 4)
 
 

@@ -57,11 +57,8 @@ def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float 
         say_if_it_changes(prim.GetAttribute(name), source, lost, name, "usd-camera-input")
     if not (math.isfinite(scale) and scale > 0) or abs(scale - 1) < 1e-6:
         return None
-    lost.add(
-        "usd-camera-input",
-        prim,
-        f"its exposure multiplies light by {scale:.6g}: pictures for eyes have it, frames hold the light itself",
-    )
+    what = f"its exposure multiplies light by {scale:.6g}: pictures for eyes have it, frames hold the light itself"
+    lost.add("usd-camera-input", prim, what)
     return math.log2(scale)
 
 
