@@ -130,16 +130,14 @@ def menu(self, _context):
     self.layout.operator(SUNFLECK_OT_export.bl_idname, text="sunfleck (.glb)")
 
 
-CLASSES = (SUNFLECK_OT_export, SUNFLECK_OT_check)
+register_classes, unregister_classes = bpy.utils.register_classes_factory((SUNFLECK_OT_export, SUNFLECK_OT_check))
 
 
 def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    register_classes()
     bpy.types.TOPBAR_MT_file_export.append(menu)
 
 
 def unregister():
     bpy.types.TOPBAR_MT_file_export.remove(menu)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes()

@@ -63,9 +63,4 @@ class SUNFLECK_OT_load_frames(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(SUNFLECK_OT_load_frames)
-
-
-def unregister():
-    bpy.utils.unregister_class(SUNFLECK_OT_load_frames)
+register, unregister = bpy.utils.register_classes_factory((SUNFLECK_OT_load_frames,))

@@ -144,21 +144,5 @@ class SUNFLECK_PT_material(ScenePanel, bpy.types.Panel):
                 column.prop(own, "transmit_color")
 
 
-CLASSES = (
-    SUNFLECK_PT_render,
-    SUNFLECK_PT_world,
-    SUNFLECK_PT_object,
-    SUNFLECK_PT_light,
-    SUNFLECK_PT_camera,
-    SUNFLECK_PT_material,
-)
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (SUNFLECK_PT_render, SUNFLECK_PT_world, SUNFLECK_PT_object, SUNFLECK_PT_light, SUNFLECK_PT_camera, SUNFLECK_PT_material)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -73,9 +73,4 @@ MISSING = (
 )
 
 
-def register():
-    bpy.utils.register_class(SunfleckPreferences)
-
-
-def unregister():
-    bpy.utils.unregister_class(SunfleckPreferences)
+register, unregister = bpy.utils.register_classes_factory((SunfleckPreferences,))

@@ -186,23 +186,16 @@ class SunfleckMaterial(bpy.types.PropertyGroup):
     transmit_color: colour("Transmitted", "Colour of the light that comes through", (0.6, 0.7, 0.1))
 
 
-CLASSES = (SunfleckScene, SunfleckObject, SunfleckMaterial)
-OWNERS = (
-    (bpy.types.Scene, SunfleckScene),
-    (bpy.types.Object, SunfleckObject),
-    (bpy.types.Material, SunfleckMaterial),
-)
+OWNERS = {bpy.types.Scene: SunfleckScene, bpy.types.Object: SunfleckObject, bpy.types.Material: SunfleckMaterial}
 
 
 def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    for owner, group in OWNERS:
+    for owner, group in OWNERS.items():
+        bpy.utils.register_class(group)
         owner.sunfleck_settings = PointerProperty(type=group)
 
 
 def unregister():
-    for owner, _ in OWNERS:
+    for owner, group in OWNERS.items():
         del owner.sunfleck_settings
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+        bpy.utils.unregister_class(group)

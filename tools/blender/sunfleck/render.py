@@ -131,11 +131,8 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         except export.NotExportable as error:
             self.report({"ERROR"}, str(error))
             return False
-        self.run, self.folder, self.total = (
-            Run(executable, glb, folder, flags(scene, self.animation)),
-            folder,
-            1,
-        )
+        self.run = Run(executable, glb, folder, flags(scene, self.animation))
+        self.folder, self.total = folder, 1
         self.done, self.shown, self.fractions = 0, 0.0, {}
         return True
 
@@ -206,9 +203,4 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(SUNFLECK_OT_render)
-
-
-def unregister():
-    bpy.utils.unregister_class(SUNFLECK_OT_render)
+register, unregister = bpy.utils.register_classes_factory((SUNFLECK_OT_render,))
