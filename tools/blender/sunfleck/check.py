@@ -5,8 +5,8 @@ every feature that Blender renders and sunfleck does not is among them.
 """
 
 from . import extras, film, fog, nearness, volumes, world
-from .evaluated import lights, walk
-from .film import of_cycles
+from .evaluated import lights, simulations, walk
+from .film import is_a_portal, of_cycles
 from .keys import curves_of
 from .losses import Finding, ordered
 from .materials import colours, dependence, links, principled
@@ -36,15 +36,7 @@ def of_objects(things, scene):
 
 def rendered(scene):
     """Objects that render at some frame, with those of instanced collections."""
-    seen, waiting = set(), list(scene.objects)
-    while waiting:
-        thing = waiting.pop(0)
-        if thing in seen or (thing.hide_render and not is_hidden_at_times(thing)):
-            continue
-        seen.add(thing)
-        yield thing
-        if thing.instance_type == "COLLECTION" and thing.instance_collection:
-            waiting += thing.instance_collection.all_objects
+    return simulations.with_instanced(scene.objects, lambda thing: not thing.hide_render or is_hidden_at_times(thing))
 
 
 def of_scene(scene):
@@ -139,33 +131,24 @@ def of_object(thing, scene):
         yield from of_light(name, thing, scene)
         return
     if thing.type == "CAMERA":
-        if any(
-            curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"}
-            for curve in curves_of(thing.data)
-        ):
+        if any(curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"} for curve in curves_of(thing.data)):
             yield Finding("camera-values", name)
         dof = thing.data.dof
-        if dof.use_dof and (
-            dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)
-        ):
+        if dof.use_dof and (dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)):
             yield Finding("camera-aperture", name)
         return
     if thing.type == "VOLUME" or thing.sunfleck_settings.is_fog:
-        if thing.type == "MESH" and not is_fogs_cube(thing):
-            yield Finding("fog-not-a-cube", name)
-        if thing.type == "VOLUME":
-            if reason := volumes.check(thing):
-                yield Finding("volume", name, reason)
-        elif fog.is_lost(thing):
-            yield Finding("fog-material", name)
-        if fog.is_clipped(thing, scene.camera):
-            yield Finding("fog-clipped", name)
-        if fog.touches(thing, scene.objects):
-            yield Finding("fog-touches", name)
-        if fog.overlaps(thing, scene.objects):
-            yield Finding("fog-overlaps", name)
-        if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
-            yield Finding("ray-visibility", name)
+        if thing.type == "VOLUME" and (reason := volumes.check(thing)):
+            yield Finding("volume", name, reason)
+        said = {
+            "fog-not-a-cube": thing.type == "MESH" and not is_fogs_cube(thing),
+            "fog-material": thing.type != "VOLUME" and fog.is_lost(thing),
+            "fog-clipped": fog.is_clipped(thing, scene.camera),
+            "fog-touches": fog.touches(thing, scene.objects),
+            "fog-overlaps": fog.overlaps(thing, scene.objects),
+            "ray-visibility": not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")),
+        }
+        yield from (Finding(id, name) for id, is_so in said.items() if is_so)
         return
     own = scene.sunfleck_settings
     bounces = own.all_bounces or own.bounces > 0
@@ -201,7 +184,6 @@ def is_linked(thing):
 
 def of_light(name, thing, scene):
     light, own = thing.data, scene.sunfleck_settings
-    is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
     said = {
         "light-power": light.energy < 0.0,
         "light-spread": light.type == "AREA" and light.spread < lights.NARROWEST_SPREAD,
@@ -213,7 +195,7 @@ def of_light(name, thing, scene):
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
         "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
         "light-linking": is_linked(thing),
-        "light-portal": is_portal,
+        "light-portal": is_a_portal(light),
     }
     yield from (Finding(id, name) for id, is_so in said.items() if is_so)
 

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from . import film, fog, world
 from .evaluated import lights
+from .evaluated.moments import OFFSETS
 from .materials.colours import rec709
 from .stored import by_hand, is_by_hand, put
 
@@ -65,15 +66,10 @@ def of_scene(scene, path=None):
         sunfleck["camera"] = scene.camera.name
     if render.use_motion_blur:
         shutter = render.motion_blur_shutter
-        sunfleck["shutter"] = shutter
-        sunfleck["shutter_offset"] = {"START": 0.0, "CENTER": -0.5 * shutter, "END": -shutter}[
-            render.motion_blur_position
-        ]
+        sunfleck["shutter"], sunfleck["shutter_offset"] = shutter, OFFSETS[render.motion_blur_position] * shutter
     written = {"sunfleck": sunfleck}
     if own.use_fog:
-        written["sunfleck_fog"] = {
-            **fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height
-        }
+        written["sunfleck_fog"] = {**fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height}
     elif found := fog.of_world(scene):
         written["sunfleck_fog"] = found
     sky = None
@@ -112,10 +108,7 @@ def of_object(thing, scene, path=None):
     if own.use_leaf_id:
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
-        written["sunfleck_light"] = {
-            **by_hand(thing).get("sunfleck_light", {}),
-            **light(thing, film.exposure(scene)),
-        }
+        written["sunfleck_light"] = {**by_hand(thing).get("sunfleck_light", {}), **light(thing, film.exposure(scene))}
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name_full)
             written["sunfleck_light"]["image"] = quote(name)
@@ -198,9 +191,7 @@ def shift_of_longer_side(data, scene):
 def focus_distance(data, scene, eye=None):
     """Distance along the view to the plane in focus, metres."""
     target = data.dof.focus_object
-    eye = eye or next(
-        (thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None
-    )
+    eye = eye or next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
     if target is None or eye is None:
         return data.dof.focus_distance
     return max(1e-6, -(eye.matrix_world.normalized().inverted() @ target.matrix_world.translation).z)

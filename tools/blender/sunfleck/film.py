@@ -27,6 +27,11 @@ def changes(scene: bpy.types.Scene) -> bool:
     return scene.render.engine in HAVE_FILM and "cycles.film_exposure" in paths
 
 
+def is_a_portal(light: bpy.types.Light) -> bool:
+    """Whether it only guides Cycles' sampling."""
+    return light.type == "AREA" and bool(of_cycles(light, "is_portal", False))
+
+
 def of_cycles(owner: bpy.types.ID, name: str, default: Any, group: str = "cycles") -> Any:
     """Property of Cycles, which may be disabled."""
     return getattr(getattr(owner, group, None), name, default)

@@ -40,10 +40,10 @@ def of_action(
             yield from bag.fcurves if bag else ()
 
 
-def trees_of(owner: bpy.types.ID) -> list[bpy.types.NodeTree]:
-    """Node tree of a material, light or world, and all groups in it."""
+def trees_of(first: bpy.types.NodeTree | None) -> list[bpy.types.NodeTree]:
+    """A node tree, and all groups in it."""
     found: list[bpy.types.NodeTree] = []
-    waiting = [getattr(owner, "node_tree", None)]
+    waiting = [first]
     while waiting:
         tree = waiting.pop()
         if tree is not None and tree not in found:
@@ -54,4 +54,4 @@ def trees_of(owner: bpy.types.ID) -> list[bpy.types.NodeTree]:
 
 def changes(owner: bpy.types.ID) -> bool:
     """Whether any property of a material, light or world is keyed or driven."""
-    return any(True for one in (owner, *trees_of(owner)) for _ in curves_of(one))
+    return any(True for one in (owner, *trees_of(getattr(owner, "node_tree", None))) for _ in curves_of(one))

@@ -8,6 +8,8 @@ import numpy
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from .evaluated.attributes import numbers
+
 MOST_FACES = 20_000
 
 
@@ -27,9 +29,8 @@ def distance(thing, place, reach):
         return numpy.inf
     mesh, local = thing.data, world.inverted_safe() @ place
     if len(mesh.polygons) > MOST_FACES:
-        found = numpy.empty(3 * len(mesh.vertices), "f4")
-        mesh.vertices.foreach_get("co", found)
-        nearest = found.reshape(-1, 3)[numpy.square(found.reshape(-1, 3) - numpy.array(local)).sum(axis=1).argmin()]
+        places = numbers(mesh.vertices, "co", (len(mesh.vertices), 3), "f4")
+        nearest = places[numpy.square(places - numpy.array(local)).sum(axis=1).argmin()]
     else:
         tree = BVHTree.FromPolygons([one.co for one in mesh.vertices], [one.vertices for one in mesh.polygons])
         nearest = tree.find_nearest(local)[0]

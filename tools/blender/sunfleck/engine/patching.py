@@ -8,11 +8,11 @@ import copy
 from types import SimpleNamespace
 
 import bpy
-import numpy
 
 from .. import check, extras
 from ..evaluated import lights, places, scenes
 from ..evaluated.assemble import turned
+from ..evaluated.attributes import numbers
 from ..evaluated.moments import Clock
 from ..materials import dependence
 
@@ -80,9 +80,7 @@ def is_the_same(graph, record, changed):
 
 def matrices_of(graph):
     seen = graph.object_instances
-    found = numpy.empty((len(seen), 16), "f4")
-    seen.foreach_get("matrix_world", found.ravel())
-    return found.reshape(-1, 4, 4).swapaxes(1, 2)
+    return numbers(seen, "matrix_world", (len(seen), 4, 4), "f4").swapaxes(1, 2)
 
 
 def move(node, place):

@@ -84,20 +84,20 @@ class Capture:
 
     def surface(self, thing, source):
         """Index of an object's geometry and its materials; None for nothing."""
-        data = thing.data
-        key = (data, source)
-        if key in self.here:
-            return self.here[key]
-        is_still = cannot_change(source.original, data)
-        kept = (source.original.data, own_materials(thing)) if is_still else None
-        if is_still and kept in self.still:
-            found = self.still[kept]
-        else:
-            found = self.captured(thing, source)
-        if is_still:
-            self.still[kept] = found
-        self.here[key] = found
-        return found
+        key = (thing.data, source)
+        if key not in self.here:
+            is_still = cannot_change(source.original, thing.data)
+            kept = (source.original.data, own_materials(thing)) if is_still else None
+            self.here[key] = self.once(kept, lambda: self.captured(thing, source))
+        return self.here[key]
+
+    def once(self, kept, captured):
+        """What is captured now, or was before if it is constant and kept by a key."""
+        if kept is None:
+            return captured()
+        if kept not in self.still:
+            self.still[kept] = captured()
+        return self.still[kept]
 
     def captured(self, thing, source):
         key = (source.names, thing.type, thing.data.name)
@@ -150,25 +150,21 @@ class Capture:
     def hair(self, thing, source, system):
         """Hair of a particle system; unsimulated strands on a constant mesh are constant."""
         key = (source, system.name)
-        if key in self.here:
-            return self.here[key]
-        others = [modifier for modifier in source.original.modifiers if modifier.type != "PARTICLE_SYSTEM"]
-        is_still = not system.use_hair_dynamics and not others and source.original.data.shape_keys is None
-        kept = (source.original, system.name)
-        if is_still and kept in self.still:
-            found = self.still[kept]
-        else:
-            materials = self.materials_of(thing)
-            slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
-            is_flat = bool(materials) and dependence.lets_through(materials[slot])
-            made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
-            if materials and set(self.library.colors_of(materials[slot])) - {GENERATED}:
-                self.colorless.add(source.original.name)
-            found = self.still[kept] = self.kept(
-                made, materials[slot : slot + 1] if materials else [], source
-            )
-        self.here[key] = found
-        return found
+        if key not in self.here:
+            others = [modifier for modifier in source.original.modifiers if modifier.type != "PARTICLE_SYSTEM"]
+            is_still = not system.use_hair_dynamics and not others and source.original.data.shape_keys is None
+            kept = (source.original, system.name) if is_still else None
+            self.here[key] = self.once(kept, lambda: self.captured_hair(thing, source, system))
+        return self.here[key]
+
+    def captured_hair(self, thing, source, system):
+        materials = self.materials_of(thing)
+        slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
+        is_flat = bool(materials) and dependence.lets_through(materials[slot])
+        made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
+        if materials and set(self.library.colors_of(materials[slot])) - {GENERATED}:
+            self.colorless.add(source.original.name)
+        return self.kept(made, materials[slot : slot + 1] if materials else [], source)
 
     def eye_in(self, thing, source):
         if source.original not in self.eyes:
@@ -180,12 +176,8 @@ class Capture:
         """Index of a geometry; None if it has no faces."""
         if made is None:
             return None
-        slots = (
-            {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)}
-            if materials
-            else set()
-        )
-        if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
+        used = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)}
+        if materials and used and not any(self.library.is_seen(materials[slot]) for slot in used):
             self.unseen.add(source.original.name)
             return None
         sides = [self.library.sides.get(material, (material, material)) for material in materials]

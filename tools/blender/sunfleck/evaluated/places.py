@@ -31,33 +31,38 @@ def in_gltf(matrices, looks):
     return TURN @ matrices if looks else TURN @ matrices @ TURN.T
 
 
-def parts(matrices):
-    """Parts of the matrices of one moving object, in the order of time."""
-    linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
+def unit_axes(linear):
+    """Axes at unit length, lengths, and for each matrix the largest cosine between two axes."""
     lengths = numpy.linalg.norm(linear, axis=1)
     axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
     products = numpy.abs(numpy.swapaxes(axes, 1, 2) @ axes)
     products[:, range(3), range(3)] = 0.0
-    if products.max(initial=0.0) > SQUARE:
+    return axes, lengths, products.max(axis=(1, 2), initial=0.0)
+
+
+def turned_and_scaled(axes, lengths):
+    """Quaternions and scales; one of a mirrored matrix is negative in all three."""
+    sign = numpy.where(numpy.linalg.det(axes) < 0.0, -1.0, 1.0)
+    return quaternions(axes * sign[:, None, None]), lengths * sign[:, None]
+
+
+def parts(matrices):
+    """Parts of the matrices of one moving object, in the order of time."""
+    linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
+    axes, lengths, cosines = unit_axes(linear)
+    if cosines.max(initial=0.0) > SQUARE:
         return sheared(linear, translation)
-    axes, lengths = filled(axes, lengths), shown(lengths)
-    mirrored = numpy.linalg.det(axes) < 0.0
-    sign = numpy.where(mirrored, -1.0, 1.0)
-    return Places(translation, smooth(quaternions(axes * sign[:, None, None])), lengths * sign[:, None])
+    turns, scales = turned_and_scaled(filled(axes, lengths), shown(lengths))
+    return Places(translation, smooth(turns), scales)
 
 
 def each(matrices):
     """Parts of the matrices of constant objects, one each, all at once."""
-    linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
-    lengths = numpy.linalg.norm(linear, axis=1)
-    axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
-    products = numpy.abs(numpy.swapaxes(axes, 1, 2) @ axes)
-    products[:, range(3), range(3)] = 0.0
-    is_plain = (products.max(axis=(1, 2), initial=0.0) <= SQUARE) & (lengths > 0.0).all(axis=1)
-    sign = numpy.where(numpy.linalg.det(axes) < 0.0, -1.0, 1.0)
-    turns, scales = quaternions(axes * sign[:, None, None]), lengths * sign[:, None]
+    axes, lengths, cosines = unit_axes(matrices[:, :3, :3])
+    is_plain = (cosines <= SQUARE) & (lengths > 0.0).all(axis=1)
+    turns, scales = turned_and_scaled(axes, lengths)
     return [
-        Places(translation[row : row + 1], turns[row : row + 1], scales[row : row + 1])
+        Places(matrices[row : row + 1, :3, 3], turns[row : row + 1], scales[row : row + 1])
         if is_plain[row] else parts(matrices[row : row + 1])
         for row in range(len(matrices))
     ]
@@ -128,6 +133,8 @@ def quaternions(rotations):
     squares = numpy.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2], trace], axis=1)
     largest = squares.argmax(axis=1)
     found = numpy.empty((len(m), 4))
+    last = largest == 3
+    found[last, 3] = 1.0 + trace[last]
     for axis in range(3):
         at = largest == axis
         i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
@@ -135,13 +142,7 @@ def quaternions(rotations):
         found[at, j] = m[at, i, j] + m[at, j, i]
         found[at, k] = m[at, i, k] + m[at, k, i]
         found[at, 3] = m[at, k, j] - m[at, j, k]
-    at = largest == 3
-    found[at, 0], found[at, 1], found[at, 2] = (
-        m[at, 2, 1] - m[at, 1, 2],
-        m[at, 0, 2] - m[at, 2, 0],
-        m[at, 1, 0] - m[at, 0, 1],
-    )
-    found[at, 3] = 1.0 + trace[at]
+        found[last, i] = m[last, k, j] - m[last, j, k]
     return found / numpy.linalg.norm(found, axis=1, keepdims=True)
 
 

@@ -9,22 +9,17 @@ from typing import NamedTuple
 
 import numpy
 
-from ..film import of_cycles
+from ..film import is_a_portal, of_cycles
 from ..materials import instances
 from ..stored import is_by_hand
+from .attributes import numbers
 from .capture import Capture
 from .moments import steps_of
 from .volumes import Volumes
 
 # Curves, texts and metaballs are also among the instances as meshes.
 KINDS = {
-    "MESH": "SURFACE",
-    "CURVES": "SURFACE",
-    "POINTCLOUD": "SURFACE",
-    "LIGHT": "LIGHT",
-    "CAMERA": "CAMERA",
-    "VOLUME": "VOLUME",
-    "EMPTY": "EMPTY",
+    **dict.fromkeys(("MESH", "CURVES", "POINTCLOUD"), "SURFACE"), **{kind: kind for kind in ("LIGHT", "CAMERA", "VOLUME", "EMPTY")},
 }
 BLURRED = {"SURFACE", "CAMERA"}
 # Losses for these types, which nodes of a mesh may create too.
@@ -114,11 +109,7 @@ class Seen(NamedTuple):
 
 def kind_of(thing):
     """Kind of an object: portals only guide Cycles' sampling."""
-    is_portal = (
-        thing.type == "LIGHT"
-        and thing.data.type == "AREA"
-        and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
-    )
+    is_portal = thing.type == "LIGHT" and is_a_portal(thing.data)
     return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
 
 
@@ -151,12 +142,10 @@ class Record:
     def visit(self, graph, frame, offset):
         seen = graph.object_instances
         count = len(seen)
-        matrices, ids = numpy.empty((count, 16), "f4"), numpy.empty((count, 8), "i4")
-        seen.foreach_get("matrix_world", matrices.ravel())
-        seen.foreach_get("persistent_id", ids.ravel())
+        matrices, ids = numbers(seen, "matrix_world", (count, 4, 4), "f4"), numbers(seen, "persistent_id", (count, 8), "i4")
         self.first_rows.append(self.first_rows[-1] + len(self.matrices[-1]) if self.moments else 0)
         self.moments.append((frame, offset))
-        self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
+        self.matrices.append(matrices.swapaxes(1, 2))
         here = Here(graph, ids, self.attributes)
         self.capture.begin(graph, offset, self.shutter.holds(offset, 0))
         rows = []
@@ -194,9 +183,8 @@ class Record:
         found, (frame, offset) = self.things.get(key), self.moments[-1]
         if found is None:
             name, source = seen.thing.name, seen.source
-            found = self.things[key] = Thing(
-                f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent
-            )
+            name = f"{name} {key[2]}" if key[2] else name
+            found = self.things[key] = Thing(name, source.kind, source.original, source.parent)
         is_new = not found.facts
         if found.kind == "SURFACE" and (is_new or (self.changes and offset == 0.0)):
             found.facts.append(instances.facts(seen.instance, seen.thing, self.questions, seen.here))

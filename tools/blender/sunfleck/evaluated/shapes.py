@@ -57,13 +57,8 @@ class Bend:
     def keys(self):
         """Times and weights of the targets, without keys that interpolation gives."""
         values = self.weights[self.of_time]
-        largest = max(
-            1e-9,
-            max(
-                float(numpy.abs(self.geometries[index].positions - self.base.positions).max())
-                for index in self.chosen
-            ),
-        )
+        moved = numpy.stack([self.geometries[index].positions for index in self.chosen]) - self.base.positions
+        largest = max(1e-9, float(numpy.abs(moved).max()))
         stays = thinning.straight(
             self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest
         )[0]

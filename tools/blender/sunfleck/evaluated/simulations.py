@@ -7,6 +7,8 @@ restored afterwards.
 
 from contextlib import contextmanager
 
+from ..keys import trees_of
+
 PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "EXPLODE"}
 
 
@@ -17,17 +19,20 @@ def any_in(scene):
 
 def objects(scene):
     """Simulated objects of the scene and its instanced collections."""
-    seen = set()
-    waiting = list(scene.objects)
+    return filter(simulates, with_instanced(scene.objects))
+
+
+def with_instanced(things, is_there=lambda thing: True):
+    """Objects and those of the collections that they show, each once, as far as they are there."""
+    seen, waiting = set(), list(things)
     while waiting:
-        thing = waiting.pop()
-        if thing in seen:
+        thing = waiting.pop(0)
+        if thing in seen or not is_there(thing):
             continue
         seen.add(thing)
+        yield thing
         if thing.instance_type == "COLLECTION" and thing.instance_collection:
             waiting += thing.instance_collection.all_objects
-        if simulates(thing):
-            yield thing
 
 
 def simulates(thing):
@@ -35,20 +40,9 @@ def simulates(thing):
 
 
 def is_stepped(modifier):
-    return (
-        modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
-    )
-
-
-def has_zone(tree, seen):
-    """Whether a node tree, or a group in it, has a simulation zone."""
-    if tree in seen:
-        return False
-    seen.add(tree)
-    return any(
-        node.bl_idname == "GeometryNodeSimulationOutput" or (getattr(node, "node_tree", None) and has_zone(node.node_tree, seen))
-        for node in tree.nodes
-    )
+    """Whether nodes, or a group of theirs, have a simulation zone."""
+    trees = trees_of(modifier.node_group) if modifier.type == "NODES" else ()
+    return any(node.bl_idname == "GeometryNodeSimulationOutput" for tree in trees for node in tree.nodes)
 
 
 @contextmanager

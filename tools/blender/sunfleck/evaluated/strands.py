@@ -6,10 +6,11 @@ strand's own space. Texture coordinates are those of the root.
 """
 
 from dataclasses import dataclass, field
+from itertools import combinations
 
 import numpy
 
-from .attributes import MISSING, values_of
+from .attributes import MISSING, numbers, values_of
 from .geometry import Geometry
 
 # Cycles' default for curves without a radius.
@@ -40,11 +41,7 @@ def of_curves(curves, eye, names=(), is_flat=False):
     count = len(curves.points)
     if count == 0:
         return None
-    points = numpy.empty((count, 3), "f4")
-    curves.position_data.foreach_get("vector", points.ravel())
-    radii = numpy.full(count, DEFAULT_RADIUS, "f4")
-    if "radius" in curves.attributes:
-        curves.attributes["radius"].data.foreach_get("value", radii)
+    points, radii = numbers(curves.position_data, "vector", (count, 3), "f4"), radii_of(curves, count, DEFAULT_RADIUS)
     starts = [curve.first_point_index for curve in curves.curves] + [count]
     roots = root_uvs(curves)
     columns = {name: values_of_curves(curves, name) for name in names}
@@ -75,9 +72,12 @@ def root_uvs(curves):
     attribute = curves.attributes.get(OF_SURFACE)
     if attribute is None or attribute.domain != "CURVE" or attribute.data_type != "FLOAT2":
         return {}
-    found = numpy.empty((len(curves.curves), 2), "f4")
-    attribute.data.foreach_get("vector", found.ravel())
-    return {OF_SURFACE: found}
+    return {OF_SURFACE: numbers(attribute.data, "vector", (len(curves.curves), 2), "f4")}
+
+
+def radii_of(owner, count, default):
+    radius = owner.attributes.get("radius")
+    return numbers(radius.data, "value", count, "f4") if radius else numpy.full(count, default, "f4")
 
 
 def smooth(points, radii, values=()):
@@ -100,10 +100,8 @@ def straight(rows, share):
 
 def of_particles(thing, system, eye, is_flat=False):
     """Geometry of a particle system's hair, in the object's space; None without hair."""
-    settings, modifier = (
-        system.settings,
-        next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system),
-    )
+    settings = system.settings
+    modifier = next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system)
     layers = sorted(enumerate(thing.data.uv_layers), key=lambda layer: not layer[1].active_render)
     steps = 1 << settings.render_step
     parents, children = len(system.particles), len(system.child_particles)
@@ -111,9 +109,7 @@ def of_particles(thing, system, eye, is_flat=False):
     local = numpy.array(thing.matrix_world.inverted_safe(), float)
     strands = []
     for number in shown:
-        points = numpy.array(
-            [system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float
-        )
+        points = numpy.array([system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float)
         # Short children have fewer steps; Blender gives zeros for the rest.
         points = points[: 1 + int(numpy.flatnonzero(points.any(axis=1)).max(initial=0))]
         lengths = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1)
@@ -136,9 +132,7 @@ def tapered(settings, share):
     left = 1.0 - share
     shape = settings.shape
     left = left ** (1.0 + shape) if shape < 0.0 else left ** (1.0 / max(1e-6, 1.0 - shape))
-    root, tip = (
-        0.5 * settings.radius_scale * radius for radius in (settings.root_radius, settings.tip_radius)
-    )
+    root, tip = (0.5 * settings.radius_scale * radius for radius in (settings.root_radius, settings.tip_radius))
     radii = left * (root - tip) + tip
     if settings.use_close_tip:
         radii[-1] = 0.0
@@ -218,10 +212,7 @@ def of_points(cloud, names=()):
     count = len(cloud.points)
     if count == 0:
         return None
-    points, radii = numpy.empty((count, 3), "f4"), numpy.full(count, 0.05, "f4")
-    cloud.attributes["position"].data.foreach_get("vector", points.ravel())
-    if "radius" in cloud.attributes:
-        cloud.attributes["radius"].data.foreach_get("value", radii)
+    points, radii = numbers(cloud.attributes["position"].data, "vector", (count, 3), "f4"), radii_of(cloud, count, 0.05)
     corners, faces = icosahedron()
     vertices = points[:, None, :] + corners * radii[:, None, None]
     missing = numpy.tile(numpy.array(MISSING, "f4"), (count, 1))
@@ -244,13 +235,7 @@ def icosahedron():
     corners = numpy.concatenate([corners, corners[:, [2, 0, 1]], corners[:, [1, 2, 0]]])
     apart = numpy.linalg.norm(corners[:, None] - corners[None], axis=2)
     near = numpy.abs(apart - 2.0) < 1e-6
-    faces = [
-        (a, b, c)
-        for a in range(12)
-        for b in range(a + 1, 12)
-        for c in range(b + 1, 12)
-        if near[a, b] and near[b, c] and near[a, c]
-    ]
+    faces = [face for face in combinations(range(12), 3) if all(near[pair] for pair in combinations(face, 2))]
     outwards = [(a, b, c) if numpy.linalg.det(corners[[a, b, c]]) > 0 else (a, c, b) for a, b, c in faces]
     surface = 20.0 * 3.0**0.5 / 4.0 * 2.0**2
     return corners * (4.0 * numpy.pi / surface) ** 0.5, numpy.array(outwards)

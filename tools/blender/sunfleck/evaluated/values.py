@@ -85,12 +85,8 @@ class Values:
             track = sorted(dict(found).items())
             if any(value != track[0][1] for _, value in track):
                 frames = numpy.array([frame for frame, _ in track], float)
-                yield (
-                    owner,
-                    field,
-                    frames,
-                    numpy.array([value for _, value in track], float).reshape(len(track), -1),
-                )
+                values = numpy.array([value for _, value in track], float).reshape(len(track), -1)
+                yield owner, field, frames, values
 
     def write(self, assembly):
         """Writes the nodes of animated values."""

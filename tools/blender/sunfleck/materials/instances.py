@@ -9,6 +9,7 @@ type of node, an output and, for attributes, a name; facts are answers by questi
 import bpy
 import numpy
 
+from ..keys import trees_of
 from . import dependence, particles, properties
 
 # Maximum copies of simple and of baked materials.
@@ -206,9 +207,7 @@ def replaced(tree, output, value):
 
 def remove(material):
     """Removes a copy with its groups."""
-    from .bake import inner_trees
-
-    trees = inner_trees(material.node_tree)
+    trees = trees_of(material.node_tree)[1:]
     bpy.data.materials.remove(material)
     for tree in trees:
         if tree.users == 0:
