@@ -17,7 +17,7 @@ import bpy
 
 from . import keys, world_picture, world_rays, world_sun
 from .film import ENGINE
-from .materials import dependence
+from .materials import dependence, principled
 from .materials.colours import rec709
 from .materials.links import link_to
 from .materials.pictures import is_moved
@@ -38,9 +38,7 @@ def backgrounds(scene):
 
 def surface_link(scene):
     """Link to the world's surface; None without one."""
-    tree = scene.world and scene.world.node_tree
-    output = tree.get_output_node("CYCLES") if tree else None
-    return link_to(output.inputs["Surface"]) if output else None
+    return principled.surface_link(scene.world) if scene.world else None
 
 
 def shines(scene):
@@ -128,11 +126,8 @@ def of_one(scene, path):
     if path is None:
         return None
     texture = environment(shader)
-    return {
-        "image": quote(written(texture.image, Path(path))),
-        "strength": strength,
-        "rotation": QUARTER_TURN + turn(texture),
-    }
+    image = quote(written(texture.image, Path(path)))
+    return {"image": image, "strength": strength, "rotation": QUARTER_TURN + turn(texture)}
 
 
 # With the add-on's engine, the world is the sky unless the panel says otherwise.
@@ -171,9 +166,7 @@ def environment(background):
     """Environment texture of a background, if it has only that."""
     links = background.inputs["Color"].links
     node = links[0].from_node if links else None
-    return (
-        node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
-    )
+    return node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
 
 
 def turn(texture):
@@ -183,11 +176,8 @@ def turn(texture):
         return 0.0
     node = link.from_node
     inner = link_to(node.inputs["Vector"]) if node.type == "MAPPING" and not node.mute else None
-    if (
-        inner is None
-        or not is_direction(inner)
-        or any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale"))
-    ):
+    is_still = inner is not None and not any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale"))
+    if not is_still or not is_direction(inner):
         return None
     x, y, z = node.inputs["Rotation"].default_value
     location, scale = node.inputs["Location"].default_value, node.inputs["Scale"].default_value
@@ -237,11 +227,7 @@ def source_of(image):
 def written(image, path):
     """Name of a file beside `path` with the image's radiances."""
     source = source_of(image)
-    if (
-        source
-        and source.suffix.lower() in READ_AS_IT_IS
-        and image.colorspace_settings.name == "Linear Rec.709"
-    ):
+    if source and source.suffix.lower() in READ_AS_IT_IS and image.colorspace_settings.name == "Linear Rec.709":
         return copied(source, path.with_name(f"{path.stem}_sky{source.suffix.lower()}"))
     beside = path.with_name(f"{path.stem}_sky.exr")
     settings_of = bpy.data.scenes.new("sunfleck image")

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import bpy
 import mathutils
-import numpy
 
 from .materials import bake, colours, fingerprint
+from .materials.images import texels_of
 from .evaluated.geometry import digest
 
 SAMPLES = 16
@@ -54,16 +54,9 @@ def pixels(world, view):
         target = Path(folder) / "world.exr"
         render(world, target, view)
         image = bpy.data.images.load(str(target))
-        found = read(image)[..., :3]
+        found = texels_of(image)[..., :3]
         bpy.data.images.remove(image)
     return found
-
-
-def read(image):
-    columns, rows = image.size
-    found = numpy.empty(columns * rows * 4, "f4")
-    image.pixels.foreach_get(found)
-    return found.reshape(rows, columns, 4)
 
 
 def render(world, target, view=View()):
@@ -84,17 +77,10 @@ def render(world, target, view=View()):
         settings = scene.render
         settings.engine, settings.resolution_percentage, settings.filepath = "CYCLES", 100, str(target)
         settings.resolution_x, settings.resolution_y = view.size
-        (
-            settings.image_settings.file_format,
-            settings.image_settings.color_mode,
-            settings.image_settings.color_depth,
-        ) = "OPEN_EXR", "RGB", "32"
-        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = (
-            view.samples,
-            False,
-            False,
-        )
-        scene.cycles.pixel_filter_type = "BOX"
+        file, cycles = settings.image_settings, scene.cycles
+        file.file_format, file.color_mode, file.color_depth = "OPEN_EXR", "RGB", "32"
+        cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = view.samples, False, False
+        cycles.pixel_filter_type = "BOX"
         bpy.ops.render.render(write_still=True, scene=scene.name)
         in_rec709(target)
     finally:
@@ -110,7 +96,7 @@ def in_rec709(target):
     if colours.working_space() == "Linear Rec.709":
         return
     image = bpy.data.images.load(str(target))
-    found = read(image)
+    found = texels_of(image)
     found[..., :3] = colours.rec709(found[..., :3].reshape(-1, 3)).reshape(found[..., :3].shape)
     bpy.data.images.remove(image)
     made = bpy.data.images.new("sunfleck world", *found.shape[1::-1], float_buffer=True, is_data=True)

@@ -65,9 +65,13 @@ class Geometry:
         cosines = numpy.einsum("tci,ti->tc", normals, faces).mean(axis=1)
         return float(numpy.sqrt(max(0.0, 2.0 * (1.0 - cosines.sum() / max(areas.sum(), 1e-30)))))
 
+    def uv(self, name):
+        """Texture coordinates of a name, without one those that render; None if there are none."""
+        return self.uvs.get(name) if name else next(iter(self.uvs.values()), None)
+
     def sides_m(self, uv):
         """Mean length and height of a unit of texture coordinates, to two digits."""
-        uvs = self.uvs.get(uv) if uv else next(iter(self.uvs.values()), None)
+        uvs = self.uv(uv)
         if uvs is None or not len(self.triangles):
             return 1.0, 1.0
         corners, places = self.positions[self.corner_vertices[self.triangles]], uvs[self.triangles]
@@ -116,9 +120,8 @@ class Geometry:
         lower = numpy.array([[apart, apart], [1.0 - 3.0 * apart, apart], [apart, 1.0 - 3.0 * apart]])
         inner = numpy.where((numpy.arange(count) % 2 == 0)[:, None, None], lower, 1.0 - lower)
         atlas = ((origin + inner) / columns).reshape(-1, 2).astype("f4")
-        return Geometry(
-            name=self.name, positions=self.positions, corner_vertices=self.corner_vertices[corners],
-            triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=self.slots, normals_of=self.normals_of,
+        return replace(
+            self, corner_vertices=self.corner_vertices[corners], triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3),
             normals=self.normals[corners] if self.normals_of == "CORNER" else self.normals,
             uvs={**{name: uv[corners] for name, uv in self.uvs.items()}, ATLAS: atlas},
             colors={name: color[corners] for name, color in self.colors.items()},
@@ -129,13 +132,7 @@ def digest(*pieces):
     """Hash of bytes and arrays."""
     made = hashlib.blake2b(digest_size=16)
     for piece in pieces:
-        made.update(
-            piece
-            if isinstance(piece, bytes)
-            else numpy.ascontiguousarray(piece).data.cast("B")
-            if piece.size
-            else b""
-        )
+        made.update(piece if isinstance(piece, bytes) else numpy.ascontiguousarray(piece).ravel().view("u1"))
     return made.digest()
 
 

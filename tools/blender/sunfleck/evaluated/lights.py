@@ -11,7 +11,7 @@ import bpy
 
 from ..materials import closures, links, principled
 from ..materials.colours import rec709
-from ..materials.sources import NotSimple
+from ..materials.sources import BLACK, NotSimple
 
 LUMENS_PER_WATT = 683.0
 # Minimum full angle, radians.
@@ -76,7 +76,7 @@ def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
     except NotSimple:
         return None
     sources = [surface.sources.get(name) for name in ("emission", "emission_strength")]
-    is_light = surface.sources["base"] == closures.BLACK and None not in sources
+    is_light = surface.sources["base"] == BLACK and None not in sources
     if surface.losses or not is_light or not all(source.is_constant() for source in sources):
         return None
     tint, strength = sources[0].factor, sources[1].number()

@@ -12,6 +12,7 @@ import numpy
 
 KINDS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+RESTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 VISIBLE = "/extensions/KHR_node_visibility/visible"
 
 
@@ -22,9 +23,7 @@ class File:
         self.said = json.loads(data[20 : 20 + length])
         self.bytes = data[28 + length :]
         self.nodes, self.read = self.said.get("nodes", []), {}
-        self.parents = {
-            child: index for index, node in enumerate(self.nodes) for child in node.get("children", ())
-        }
+        self.parents = {child: index for index, node in enumerate(self.nodes) for child in node.get("children", ())}
         self.channels = {}
         for animation in self.said.get("animations", ()):
             for channel in animation["channels"]:
@@ -64,30 +63,29 @@ class File:
             return numpy.broadcast_to(numpy.asarray(still, float), (len(seconds), len(still)))
         times = self.accessor(sampler["input"]).astype("f4")
         values = self.accessor(sampler["output"]).astype(float).reshape(len(times), -1)
-        return interpolated(
-            times, values, numpy.asarray(seconds, "f4"), sampler.get("interpolation", "LINEAR"), path
-        )
+        return interpolated(times, values, numpy.asarray(seconds, "f4"), sampler.get("interpolation", "LINEAR"), path)
 
     def worlds(self, seconds):
         """World matrices (nodes, times, 4, 4)."""
+        return self.joined([self.local(index, seconds) for index in range(len(self.nodes))], numpy.matmul)
+
+    def joined(self, own, join):
+        """What each node has itself, joined with what is above."""
         found = {}
 
-        def world(index):
+        def of(index):
             if index not in found:
-                own = self.local(index, seconds)
-                found[index] = world(self.parents[index]) @ own if index in self.parents else own
+                found[index] = join(of(self.parents[index]), own[index]) if index in self.parents else own[index]
             return found[index]
 
-        return [world(index) for index in range(len(self.nodes))]
+        return [of(index) for index in range(len(own))]
 
     def local(self, index, seconds):
         node = self.nodes[index]
         if "matrix" in node:
             matrix = numpy.array(node["matrix"], float).reshape(4, 4).T
             return numpy.broadcast_to(matrix, (len(seconds), 4, 4))
-        translation = self.sampled(index, "translation", seconds, node.get("translation", (0.0, 0.0, 0.0)))
-        rotation = self.sampled(index, "rotation", seconds, node.get("rotation", (0.0, 0.0, 0.0, 1.0)))
-        scale = self.sampled(index, "scale", seconds, node.get("scale", (1.0, 1.0, 1.0)))
+        translation, rotation, scale = (self.sampled(index, path, seconds, node.get(path, rest)) for path, rest in RESTS.items())
         made = numpy.zeros((len(seconds), 4, 4))
         made[:, :3, :3] = rotations(rotation) * scale[:, None, :]
         made[:, :3, 3], made[:, 3, 3] = translation, 1.0
@@ -95,21 +93,9 @@ class File:
 
     def visible(self, seconds):
         """Visibility (nodes, times)."""
-        found = {}
-
-        def shown(index):
-            if index not in found:
-                still = (
-                    self.nodes[index]
-                    .get("extensions", {})
-                    .get("KHR_node_visibility", {})
-                    .get("visible", True)
-                )
-                own = self.sampled(index, "visible", seconds, (float(still),))[:, 0] != 0.0
-                found[index] = shown(self.parents[index]) & own if index in self.parents else own
-            return found[index]
-
-        return [shown(index) for index in range(len(self.nodes))]
+        still = [node.get("extensions", {}).get("KHR_node_visibility", {}).get("visible", True) for node in self.nodes]
+        own = [self.sampled(index, "visible", seconds, (float(one),))[:, 0] != 0.0 for index, one in enumerate(still)]
+        return self.joined(own, numpy.logical_and)
 
     def weights(self, index, seconds):
         """Weights of a node's mesh, (times, targets)."""

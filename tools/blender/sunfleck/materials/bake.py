@@ -14,7 +14,7 @@ import numpy
 
 from ..evaluated.geometry import digest
 from ..evaluated.heeding import nobody
-from . import closures, dependence, links, principled, sheets, sockets
+from . import closures, dependence, instances, links, principled, sheets, sockets
 from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, SHINE, Channels, is_socket
 from .fingerprint import of_tree
@@ -60,23 +60,14 @@ class Baker:
             surface = self.put_together(pictures, channels)
             return glazed_in_part(surface, channels, parts.get(SHINE, 0.0)) or surface
         finally:
-            trees = inner_trees(copy.node_tree)
-            bpy.data.materials.remove(copy)
-            for tree in trees:
-                if tree.users == 0:
-                    bpy.data.node_groups.remove(tree)
+            instances.remove(copy)
 
     def pictures(self, copy, parts, bends):
         """Pixels of each part, constant or baked: (rows, columns, 3) or three numbers."""
-        numbers = [parts[name] for name in NUMBERS]
-        wanted = {name: parts[name] for name in COLORS}
-        found = {name: spread(part) for name, part in wanted.items() if not is_socket(part)}
-        found.update({name: spread(part) for name, part in zip(NUMBERS, numbers) if not is_socket(part)})
+        found = {name: spread(parts[name]) for name in (*COLORS, *NUMBERS) if not is_socket(parts[name])}
         baked = [name for name in COLORS if name not in found]
-        if any(map(is_socket, numbers)):
-            baked.append("numbers")
-        if bends:
-            baked.append("normal")
+        baked += ["numbers"] if not found.keys() >= set(NUMBERS) else []
+        baked += ["normal"] if bends else []
         if not baked:
             return found
         how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
@@ -94,13 +85,8 @@ class Baker:
                 keep(kept, made)
         if "numbers" in made:
             packed = made.pop("numbers")
-            found.update(
-                {
-                    name: packed[..., at : at + 1].repeat(3, axis=-1)
-                    for at, name in enumerate(NUMBERS)
-                    if name not in found
-                }
-            )
+            for at, name in enumerate(NUMBERS):
+                found.setdefault(name, packed[..., at : at + 1].repeat(3, axis=-1))
         return {**found, **made}
 
     def baked(self, stage, copy, name, parts):
@@ -189,20 +175,15 @@ class Baker:
     def source(self, name, values):
         """Constant source if all texels are equal, else a picture."""
         if values.ndim == 1 or float(numpy.ptp(values, axis=(0, 1)).max()) < 1.0 / 512.0:
-            return Source(
-                tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1))))
-            )
+            return Source(tuple(map(float, values if values.ndim == 1 else values.mean(axis=(0, 1)))))
         values = rec709(values) if name not in {"roughness", "metallic", "alpha"} else values
         largest = float(values.max())
         return Source((largest,) * 3, self.picture(name, values / largest))
 
     def picture(self, name, values):
         pixels = numpy.concatenate([values, numpy.ones((*values.shape[:2], 1))], axis=-1).astype("f4")
-        return Picture(
-            Pixels(f"{self.material.name} {name}", pixels),
-            self.canvas.uv,
-            extension="EXTEND" if self.canvas.geometry else "REPEAT",
-        )
+        extension = "EXTEND" if self.canvas.geometry else "REPEAT"
+        return Picture(Pixels(f"{self.material.name} {name}", pixels), self.canvas.uv, extension=extension)
 
 
 def glazed_in_part(surface, channels, share):
@@ -269,24 +250,10 @@ def spread(part):
     return numpy.array(part if isinstance(part, tuple) else (part,) * 3, float)
 
 
-def inner_trees(tree):
-    """All groups in a tree."""
-    found = []
-    for node in tree.nodes:
-        inner = getattr(node, "node_tree", None)
-        if inner and inner not in found:
-            found += [inner, *inner_trees(inner)]
-    return found
-
-
 def folder():
     """Folder of the cache."""
-    named = os.environ.get("SUNFLECK_BAKES")
-    base = (
-        Path(named)
-        if named
-        else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sunfleck" / "bakes"
-    )
+    caches = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    base = Path(os.environ.get("SUNFLECK_BAKES") or caches / "sunfleck" / "bakes")
     base.mkdir(parents=True, exist_ok=True)
     return base
 

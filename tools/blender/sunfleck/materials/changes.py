@@ -78,6 +78,4 @@ class Changes:
 def what_stays(surface):
     """Numbers of a surface that no pointer changes, and where its pictures lie."""
     numbers = {name: source.factor for name, source in surface.sources.items() if name not in POINTERS}
-    pictures = [source.picture for source in (*surface.sources.values(), surface.alpha)]
-    pictures += [bent[0] for bent in (surface.normal, surface.coat_normal) if bent]
-    return numbers, [picture and picture.place() for picture in pictures]
+    return numbers, [picture.place() for picture in surface.pictures()]

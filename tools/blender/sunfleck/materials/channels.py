@@ -19,18 +19,13 @@ SHINE, UNKNOWN = "shine", math.nan
 BLACK = {**NOTHING, "cover": 1.0}
 # Shaders of one colour: their part, roughness and metallic factor (None: by their socket).
 PLAIN = {
-    "BSDF_DIFFUSE": ("reflected", 1.0, 0.0),
-    "SUBSURFACE_SCATTERING": ("reflected", 1.0, 0.0),
-    "BSDF_SHEEN": ("reflected", 1.0, 0.0),
-    "BSDF_VELVET": ("reflected", 1.0, 0.0),
-    "BSDF_TOON": ("reflected", 1.0, 0.0),
-    "BSDF_HAIR": ("reflected", 1.0, 0.0),
-    "BSDF_TRANSLUCENT": ("through", 1.0, 0.0),
-    "BSDF_GLOSSY": ("reflected", None, 1.0),
-    "BSDF_ANISOTROPIC": ("reflected", None, 1.0),
-    "BSDF_METALLIC": ("reflected", None, 1.0),
-    "BSDF_GLASS": ("reflected", None, 0.0),
+    **dict.fromkeys(
+        ("BSDF_DIFFUSE", "SUBSURFACE_SCATTERING", "BSDF_SHEEN", "BSDF_VELVET", "BSDF_TOON", "BSDF_HAIR"), ("reflected", 1.0, 0.0)
+    ),
+    **dict.fromkeys(("BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"), ("reflected", None, 1.0)),
+    "BSDF_TRANSLUCENT": ("through", 1.0, 0.0), "BSDF_GLASS": ("reflected", None, 0.0),
 }
+
 
 class Channels:
     """Computes parts in one tree."""
@@ -51,9 +46,8 @@ class Channels:
         if node.type == "GROUP":
             return self.of_group(node, output)
         if node.type == "MIX_SHADER":
-            return self.mixed(
-                self.value(node.inputs[0]), self.of_input(node.inputs[1]), self.of_input(node.inputs[2])
-            )
+            share, a, b = node.inputs
+            return self.mixed(self.value(share), self.of_input(a), self.of_input(b))
         if node.type == "ADD_SHADER":
             a, b = (self.of_input(socket, NOTHING) for socket in node.inputs)
             self.adds |= not any(same(one["reflected"], 0.0) for one in (a, b))
@@ -82,18 +76,13 @@ class Channels:
         self.note_normal(node)
         (self.metals if metallic else self.mattes).add(node.type)
         found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
-        return {
-            **found,
-            "roughness": self.value(node.inputs["Roughness"]) if roughness is None else roughness,
-        }
+        return {**found, "roughness": self.value(node.inputs["Roughness"]) if roughness is None else roughness}
 
     def of_principled(self, node):
         self.principled.append(node)
         self.note_normal(node)
         cover = self.share(node.inputs["Alpha"])
-        emission = self.product(
-            self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"])
-        )
+        emission = self.product(self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"]))
         base, share = self.product(self.value(node.inputs["Base Color"]), cover), 0.0
         if sheets.is_sheet(node):
             share = self.product(self.value(node.inputs["Subsurface Weight"]), sheets.through(node))
@@ -105,9 +94,7 @@ class Channels:
         }
 
     def note_normal(self, node):
-        self.bends |= any(
-            socket.name in {"Normal", "Coat Normal"} and link_to(socket) is not None for socket in node.inputs
-        )
+        self.bends |= any(socket.name in {"Normal", "Coat Normal"} and link_to(socket) is not None for socket in node.inputs)
 
     def of_group(self, node, output):
         """Parts of a group, computed inside and output from it."""

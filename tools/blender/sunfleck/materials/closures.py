@@ -7,10 +7,9 @@ baked.
 from dataclasses import replace
 
 from . import links, principled, sockets
-from .principled import WHITE, Surface
-from .sources import NotSimple, Source
+from .principled import MATTE, Surface
+from .sources import BLACK, WHITE, NotSimple, Source
 
-BLACK = Source((0.0, 0.0, 0.0))
 # Roughness from which interreflection of facets is visible.
 ROUGH = 0.3
 
@@ -53,18 +52,15 @@ def transparent(node):
     color = sockets.of(node.inputs["Color"])
     if not (color.is_constant() and 0.0 <= min(color.factor) <= max(color.factor) <= 1.0):
         raise NotSimple(node)
-    sources = {"base": BLACK, "specular": BLACK, "roughness": WHITE}
+    sources = {"base": BLACK, **MATTE}
     is_clear = min(color.factor) > 1.0 - 1e-6
     return Surface(sources, alpha=BLACK) if is_clear else Surface({**sources, "filter": color})
 
 
 def translucent(node):
     """Lambertian transmission."""
-    surface = Surface(
-        {"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])}
-    )
-    surface.normal = principled.normal(node.inputs["Normal"])
-    return surface
+    sources = {"base": BLACK, **MATTE, "through": sockets.of(node.inputs["Color"])}
+    return Surface(sources, normal=principled.normal(node.inputs["Normal"]))
 
 
 def is_nothing(surface):
@@ -80,14 +76,7 @@ def is_matte(surface):
     """Neither glossy nor emissive, and opaque."""
     if {"thin", "filter"} & surface.sources.keys():
         return False
-    specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
-    has_shine = (
-        specular is None
-        or not specular.is_constant()
-        or specular.number() > 0.0
-        or not metallic.is_constant()
-        or metallic.number() > 0.0
-    )
+    has_shine = not (surface.sources.get("specular", WHITE).is_zero() and surface.sources.get("metallic", BLACK).is_zero())
     return not has_shine and not glows(surface) and surface.alpha == WHITE
 
 
@@ -175,17 +164,12 @@ def covered(node, share, a, b):
         return there
     if is_nothing(b):
         if not share.is_constant():
-            share = inverted(node, share)
-        else:
-            share = Source((1.0 - share.number(),) * 3)
+            # A picture would need a new one.
+            raise NotSimple(node)
+        share = Source((1.0 - share.number(),) * 3)
     if there.cutoff is not None or there.alpha != WHITE:
         raise NotSimple(node)
     return replace(there, alpha=share)
-
-
-def inverted(node, share):
-    """1 - share, of a constant; a picture would need a new one."""
-    raise NotSimple(node)
 
 
 def matte(node, share, a, b):
@@ -195,7 +179,7 @@ def matte(node, share, a, b):
     }
     if parts["filter"] == BLACK:
         del parts["filter"]
-    return Surface({**parts, "specular": BLACK, "roughness": WHITE}, normal=a.normal)
+    return Surface({**parts, **MATTE}, normal=a.normal)
 
 
 def blended(node, share, a, b):
@@ -228,9 +212,5 @@ def is_filter(surface):
 
 
 def is_light(surface):
-    return (
-        surface.sources.get("base") == BLACK
-        and not {"through", "filter"} & surface.sources.keys()
-        and glows(surface)
-        and surface.alpha == WHITE
-    )
+    is_black = surface.sources.get("base") == BLACK and not {"through", "filter"} & surface.sources.keys()
+    return is_black and glows(surface) and surface.alpha == WHITE

@@ -11,15 +11,7 @@ PROCEDURAL = {
     "TEX_MUSGRAVE", "TEX_ENVIRONMENT", "TEX_SKY", "TEX_IES",
 }
 OF_SURFACES = {
-    "NEW_GEOMETRY",
-    "VERTEX_COLOR",
-    "BEVEL",
-    "AMBIENT_OCCLUSION",
-    "WIREFRAME",
-    "CURVE_INFO",
-    "HAIR_INFO",
-    "POINT_INFO",
-    "TEX_ENVIRONMENT",
+    "NEW_GEOMETRY", "VERTEX_COLOR", "BEVEL", "AMBIENT_OCCLUSION", "WIREFRAME", "CURVE_INFO", "HAIR_INFO", "POINT_INFO", "TEX_ENVIRONMENT",
 }
 OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
 OF_INSTANCERS = {"INSTANCER", "OBJECT", "VIEW_LAYER"}
@@ -75,25 +67,21 @@ def nodes_of(material):
 
 def is_of_surface(material):
     """Whether it varies over places with the same texture coordinates."""
-    uvs = set()
-    for node in nodes_of(material):
-        if node.type in OF_SURFACES or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
-            return True
-        if is_unplaced(node):
-            return True
-        if node.type == "TEX_COORD" and any(
-            output.is_linked and output.name != "UV" for output in node.outputs
-        ):
-            return True
+    nodes, uvs = nodes_of(material), set()
+    for node in nodes:
         if node.type == "UVMAP" or is_tangential(node):
             uvs.add(node.uv_map)
-        if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (
-            node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked
-        ):
+        if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked):
             uvs.add("")
-        if node.type == "TEX_IMAGE" and node.projection != "FLAT":
-            return True
-    return len(uvs) > 1
+    return len(uvs) > 1 or any(map(is_node_of_surface, nodes))
+
+
+def is_node_of_surface(node):
+    if node.type == "TEX_COORD":
+        return any(output.is_linked and output.name != "UV" for output in node.outputs)
+    if node.type == "TEX_IMAGE":
+        return node.projection != "FLAT"
+    return node.type in OF_SURFACES or is_unplaced(node) or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY")
 
 
 def uv_of(material):
@@ -243,21 +231,18 @@ def is_passing(node):
 
 def is_transparent(material):
     """Whether any part may transmit light unscattered."""
-    for node in nodes_of(material):
-        if node.type == "BSDF_TRANSPARENT":
-            return True
-        if node.type == "BSDF_PRINCIPLED" and (
-            node.inputs["Alpha"].is_linked or node.inputs["Alpha"].default_value < 1.0
-        ):
-            return True
-    return False
+    return any(map(is_clear, nodes_of(material)))
+
+
+def is_clear(node):
+    if node.type == "BSDF_PRINCIPLED":
+        return node.inputs["Alpha"].is_linked or node.inputs["Alpha"].default_value < 1.0
+    return node.type == "BSDF_TRANSPARENT"
 
 
 def lets_through(material):
     """Whether any light is transmitted."""
-    if material is None:
-        return False
-    return is_transparent(material) or any(map(is_passing, nodes_of(material)))
+    return material is not None and (is_transparent(material) or any(map(is_passing, nodes_of(material))))
 
 
 def is_of_film(material, sources=FILMS):

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import bpy
-import numpy
 
 from ..evaluated.geometry import digest
+from .images import texels_of
 
 PASSED_OVER = {
     "rna_type", "location", "location_absolute", "width", "height", "width_hidden", "dimensions", "select", "color", "use_custom_color",
@@ -45,12 +45,8 @@ def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
     if isinstance(value, bpy.types.NodeTree):
         return "again" if value in seen else of_tree(value, seen)
     if isinstance(value, bpy.types.ColorRamp):
-        return (
-            [(stop.position, *stop.color) for stop in value.elements],
-            value.interpolation,
-            value.color_mode,
-            value.hue_interpolation,
-        )
+        stops = [(stop.position, *stop.color) for stop in value.elements]
+        return stops, value.interpolation, value.color_mode, value.hue_interpolation
     if isinstance(value, bpy.types.CurveMapping):
         return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
     if isinstance(value, bpy.types.TexMapping):
@@ -73,7 +69,5 @@ def values(node: bpy.types.Node) -> Iterator[tuple[str, Any]]:
 
 
 def of_image(image: bpy.types.Image) -> tuple[str, ...]:
-    pixels = numpy.empty(image.size[0] * image.size[1] * 4 if image.channels else 0, "f4")
-    if len(pixels):
-        image.pixels.foreach_get(pixels)
+    pixels = texels_of(image) if image.channels and all(image.size) else b""
     return digest(pixels).hex(), image.colorspace_settings.name, image.alpha_mode, image.source, str(bool(image.packed_file))

@@ -40,12 +40,8 @@ class Images:
             is_baked = hasattr(image, "values_of_texels")
             data = None if is_baked or not is_as_it_is else self.own_bytes(image, is_color)
             if data is None:
-                pixels = self.pixels(picture)
-                data = (
-                    None
-                    if pixels is None
-                    else self.encoded(pixels, is_color, is_deep if is_baked else wants_depth(image, is_color))
-                )
+                pixels, deep = self.pixels(picture), is_deep if is_baked else wants_depth(image, is_color)
+                data = None if pixels is None else self.encoded(pixels, is_color, deep)
             self.known[key] = None if data is None else self.add(image.name, data)
         return self.known[key]
 
@@ -65,16 +61,8 @@ class Images:
 
     def own_bytes(self, image, is_color):
         """The image's own file, if glTF reads the right contents from it."""
-        space = image.colorspace_settings.name
-        if (
-            image.is_dirty
-            or image.source != "FILE"
-            or space not in (IN_SRGB if is_color else PLAIN | IN_SRGB)
-        ):
-            return None
-        if not is_color and space not in PLAIN:
-            return None
-        if image.alpha_mode not in {"STRAIGHT", "CHANNEL_PACKED"}:
+        is_right = image.colorspace_settings.name in (IN_SRGB if is_color else PLAIN)
+        if image.is_dirty or image.source != "FILE" or not is_right or image.alpha_mode not in {"STRAIGHT", "CHANNEL_PACKED"}:
             return None
         data = packed(image)
         return data if data and (any(map(data.startswith, KINDS)) or data[8:12] == b"WEBP") else None
@@ -98,18 +86,15 @@ class Images:
             return image.values_of_texels
         key = (image, picture.by_alpha)
         if key not in self.pixels_of:
-            width, height = image.size
             found = None
-            if width and height and image.channels:
-                found = numpy.empty(width * height * 4, "f4")
-                image.pixels.foreach_get(found)
-                found = found.reshape(height, width, 4)
+            if all(image.size) and image.channels:
+                found = texels_of(image)
                 if image.alpha_mode == "NONE":
                     found[..., 3] = 1.0
                 found[..., :3] = by_alpha(found[..., :3], found[..., 3:], picture.by_alpha, image.is_float)
                 # Blender gives byte images as stored.
                 if not image.is_float and image.colorspace_settings.name in IN_SRGB:
-                    found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
+                    found[..., :3] = linear(found[..., :3])
                 elif image.is_float and image.colorspace_settings.name not in PLAIN:
                     found = numpy.concatenate([rec709(found[..., :3]), found[..., 3:]], axis=-1)
             self.pixels_of[key] = found
@@ -118,6 +103,14 @@ class Images:
     def encoded(self, pixels, is_color, deep):
         values = numpy.concatenate([srgb(pixels[..., :3]), pixels[..., 3:]], axis=-1) if is_color else pixels
         return png(values[..., :3] if numpy.all(values[..., 3] >= 1.0) else values, deep)
+
+
+def texels_of(image):
+    """Values as Blender has them, rows from the bottom."""
+    width, height = image.size
+    found = numpy.empty((height, width, 4), "f4")
+    image.pixels.foreach_get(found.ravel())
+    return found
 
 
 def by_alpha(colors, alpha, way, is_float):
@@ -161,9 +154,7 @@ def packed(image):
 
 def srgb(values):
     values = numpy.clip(values, 0.0, 1.0)
-    return numpy.where(
-        values <= 0.0031308, 12.92 * values, 1.055 * numpy.maximum(values, 1e-12) ** (1.0 / 2.4) - 0.055
-    )
+    return numpy.where(values <= 0.0031308, 12.92 * values, 1.055 * numpy.maximum(values, 1e-12) ** (1.0 / 2.4) - 0.055)
 
 
 def linear(values):
@@ -197,13 +188,7 @@ def texture(document, image, picture: sources.Picture):
     number and a kind."""
     number, kind = image
     wrap = WRAPS[picture.extension]
-    sampler = {
-        "magFilter": FILTERS.get(picture.interpolation, 9729),
-        "minFilter": 9987,
-        "wrapS": wrap,
-        "wrapT": wrap,
-    }
-    said = {"sampler": document.once("samplers", sampler)}
-    if kind == "image/webp":
-        return document.once("textures", {**said, "extensions": {"EXT_texture_webp": {"source": number}}})
-    return document.once("textures", {**said, "source": number})
+    sampler = {"magFilter": FILTERS.get(picture.interpolation, 9729), "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
+    source = {"source": number}
+    source = {"extensions": {"EXT_texture_webp": source}} if kind == "image/webp" else source
+    return document.once("textures", {"sampler": document.once("samplers", sampler), **source})

@@ -19,8 +19,7 @@ from .changes import Changes
 from .colours import rec709
 from .images import Images, has_codes
 from .looks import DEFAULT, NOTHING, looked_at
-from .principled import WHITE
-from .sources import NotSimple
+from .sources import WHITE, NotSimple
 from .written import Writer, shines
 
 # Maximum number of meshes for which a material is baked; then its mean is used, as for meshes whose faces
@@ -105,9 +104,8 @@ class Library:
             own = self.levels[material].rounded(own)
         key = (material, own)
         if key not in self.copies:
-            self.copies[key] = instances.copy(
-                material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}"
-            )
+            number = sum(one == material for one, _ in self.copies)
+            self.copies[key] = instances.copy(material, own, f"{material.name} {number}")
         return self.copies[key]
 
     def close(self):
@@ -149,10 +147,7 @@ class Library:
         look = self.look(material)
         if look.baked:
             return dependence.uvs_of(material)
-        surface = look.surface or NOTHING
-        pictures = [source.picture for source in (*surface.sources.values(), surface.alpha) if source.picture]
-        pictures += [bent[0] for bent in (surface.normal, surface.coat_normal) if bent]
-        return {picture.uv for picture in pictures if picture.uv}
+        return {picture.uv for picture in (look.surface or NOTHING).pictures() if picture.uv}
 
     def color_attribute(self, material, geometry):
         """This attribute, if the geometry has it."""
@@ -164,14 +159,8 @@ class Library:
         look = self.look(material)
         if not look.baked:
             return False
-        uv = (
-            geometry.uvs.get(dependence.uv_of(material))
-            if dependence.uv_of(material)
-            else next(iter(geometry.uvs.values()), None)
-        )
-        return (
-            uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
-        )
+        uv = geometry.uv(dependence.uv_of(material))
+        return uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
 
     def number(self, material, geometry):
         """Index of the file's material."""
@@ -247,11 +236,8 @@ class Library:
         for material, look in self.looks.items():
             if material is None or not self.is_shown(material):
                 continue
-            texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
-            word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
-            found[material.name] = (
-                f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
-            )
+            word = "not honoured" if look.failed else f"baked {look.texels}" if look.baked else "exact"
+            found[material.name] = f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
         return found
 
     def findings(self):
@@ -262,18 +248,13 @@ class Library:
             for material, levels in self.levels.items()
         )
         for material, look in self.looks.items():
-            if (
-                material is None
-                or (look.surface is None and not look.baked)
-                or not self.is_shown(material)
-            ):
+            if material is None or (look.surface is None and not look.baked) or not self.is_shown(material):
                 continue
             name = f"the material `{material.name}`"
             if look.failed:
                 yield Finding("material-not-honoured", name, f"grey instead, for its node {look.failed}")
             elif look.baked:
-                texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
-                yield Finding("material-baked", name, f"at {texels} texels, for its {look.baked}")
+                yield Finding("material-baked", name, f"{look.texels}, for its {look.baked}")
             if look.glows:
                 yield Finding("material-glows", name)
             if look.losses:

@@ -6,13 +6,13 @@ In go materials, out come `Look`s. Invariant: what is no `Look` of its own is `N
 from dataclasses import dataclass, field
 
 from . import closures, dependence, inputs, links, principled
-from .principled import WHITE, Surface
-from .sources import NotSimple, Source
+from .principled import MATTE, Surface
+from .sources import BLACK, WHITE, NotSimple, Source
 
 # What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material
 # without a shader does.
 DEFAULT = Surface({"base": Source((0.8,) * 3)})
-NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
+NOTHING = Surface({"base": BLACK, **MATTE})
 
 
 @dataclass
@@ -28,6 +28,11 @@ class Look:
     mean: Surface | None = None
     failed: str = ""
     glows: bool = False
+
+    @property
+    def texels(self):
+        """Sizes of its bakes."""
+        return f"at {', '.join(f'{size} x {size}' for size in sorted(self.sizes))} texels"
 
 
 def looked_at(material, is_still):

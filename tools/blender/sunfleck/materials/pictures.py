@@ -29,13 +29,8 @@ def read_image(node, output):
     is_coarse = node.interpolation in OTHER_FILTERS and max(image.size) <= COARSE
     if is_coarse or is_moved(node) or (node.extension == "CLIP" and "scale" in place):
         raise NotSimple(node)
-    picture = Picture(
-        image,
-        extension=node.extension,
-        interpolation=node.interpolation,
-        by_alpha=by_alpha(node) if output.name == "Color" else "",
-        **place,
-    )
+    alpha = by_alpha(node) if output.name == "Color" else ""
+    picture = Picture(image, extension=node.extension, interpolation=node.interpolation, by_alpha=alpha, **place)
     return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
 
 

@@ -7,7 +7,7 @@ In goes a node tree, out comes a `Surface`: sources by purpose. Invariant: featu
 from dataclasses import dataclass, field, replace
 
 from . import links, sheets, sockets
-from .sources import NotSimple, Source
+from .sources import BLACK, WHITE, NotSimple, Source
 
 # Blender's sockets by their names here.
 SOCKETS = {
@@ -16,7 +16,8 @@ SOCKETS = {
     "sheen": "Sheen Weight", "sheen_roughness": "Sheen Roughness", "sheen_tint": "Sheen Tint", "emission": "Emission Color",
     "emission_strength": "Emission Strength",
 }
-WHITE = Source((1.0, 1.0, 1.0))
+# No gloss.
+MATTE = {"specular": BLACK, "roughness": WHITE}
 
 
 @dataclass
@@ -37,6 +38,11 @@ class Surface:
     # Factors on the light that the gloss removes from the base colour, and from transmission.
     shine_takes: tuple | None = None
     losses: list = field(default_factory=list)
+
+    def pictures(self):
+        """All pictures."""
+        found = [source.picture for source in (*self.sources.values(), self.alpha) if source.picture]
+        return found + [bent[0] for bent in (self.normal, self.coat_normal) if bent]
 
     def share_through(self):
         """Transmitted share of the light that is not absorbed, such that both colours stay within 1."""
@@ -70,12 +76,7 @@ def read(shader):
         raise NotSimple(shader)
     surface = Surface({name: sockets.of(shader.inputs[socket]) for name, socket in SOCKETS.items()})
     surface.alpha, surface.cutoff = alpha(shader.inputs["Alpha"])
-    surface.normal, surface.coat_normal = (
-        normal(shader.inputs["Normal"]),
-        normal(shader.inputs["Coat Normal"]),
-    )
-    if shader.inputs["Coat Normal"].is_linked is False:
-        surface.coat_normal = None
+    surface.normal, surface.coat_normal = normal(shader.inputs["Normal"]), normal(shader.inputs["Coat Normal"])
     if sheets.is_sheet(shader):
         weight, base = sockets.of(shader.inputs["Subsurface Weight"]), surface.sources["base"]
         if not weight.is_constant():
@@ -98,7 +99,7 @@ def frost(surface, is_thin):
         return
     is_rough = sheets.is_frosted if is_thin else sheets.is_rough
     if transmission.number() > 0.0 and (not roughness.is_constant() or is_rough(roughness.number(), ior.number())):
-        surface.sources["thin"], surface.sources["transmission"] = transmission, Source((0.0,) * 3)
+        surface.sources["thin"], surface.sources["transmission"] = transmission, BLACK
         surface.has_one_face = not is_thin
 
 
@@ -124,29 +125,20 @@ def scaled(source, share):
 
 def diffuse(shader):
     """Lambertian surface: a Principled BSDF without specular reflection."""
-    surface = Surface(
-        {"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE}
-    )
-    surface.normal = normal(shader.inputs["Normal"])
-    return surface
+    return Surface({"base": sockets.of(shader.inputs["Color"]), **MATTE}, normal=normal(shader.inputs["Normal"]))
 
 
 def glossy(shader):
     """A mirror of microfacets, whatever the angle: metal that reflects alike."""
     if shader.mute or shader.distribution != "MULTI_GGX" or links.link_to(shader.inputs["Normal"]):
         raise NotSimple(shader)
-    black = Source((0.0,) * 3)
-    sources = {
-        "base": sockets.of(shader.inputs["Color"]), "metallic": WHITE, "specular": black,
-        "roughness": sockets.of(shader.inputs["Roughness"]),
-    }
-    return Surface(sources, has_even_metal=True)
+    base, roughness = sockets.of(shader.inputs["Color"]), sockets.of(shader.inputs["Roughness"])
+    return Surface({"base": base, "metallic": WHITE, "specular": BLACK, "roughness": roughness}, has_even_metal=True)
 
 
 def emission(color, strength=WHITE):
     """Emission alone, without reflection."""
-    black = Source((0.0,) * 3)
-    return Surface({"emission": color, "emission_strength": strength, "base": black, "specular": black, "roughness": WHITE})
+    return Surface({"emission": color, "emission_strength": strength, "base": BLACK, **MATTE})
 
 
 def alpha(socket):
@@ -161,11 +153,7 @@ def alpha(socket):
         return sockets.of(node.inputs[0]), still(node, node.inputs[1])
     if node.operation == "LESS_THAN" and not links.link_to(node.inputs[0]):
         return sockets.of(node.inputs[1]), still(node, node.inputs[0])
-    if (
-        node.operation == "SUBTRACT"
-        and not links.link_to(node.inputs[0])
-        and node.inputs[0].default_value == 1.0
-    ):
+    if node.operation == "SUBTRACT" and not links.link_to(node.inputs[0]) and node.inputs[0].default_value == 1.0:
         inner = links.link_to(node.inputs[1])
         if inner and inner.from_node.type == "MATH" and inner.from_node.operation == "LESS_THAN":
             return sockets.of(inner.from_node.inputs[0]), still(node, inner.from_node.inputs[1])
@@ -188,12 +176,7 @@ def normal(socket):
     if node.type != "NORMAL_MAP" or node.space != "TANGENT" or node.mute:
         raise NotSimple(node)
     source = sockets.of(node.inputs["Color"])
-    if (
-        source.picture is None
-        or source.channel != "rgb"
-        or source.factor != (1.0, 1.0, 1.0)
-        or source.attribute is not None
-    ):
+    if replace(source, picture=None) != WHITE or source.picture is None:
         raise NotSimple(node)
     if node.uv_map and source.picture.uv not in {"", node.uv_map}:
         raise NotSimple(node)

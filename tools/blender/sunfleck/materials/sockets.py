@@ -119,13 +119,10 @@ def read_hue(node, output):
     names = ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor", "Color")
     hue, saturation, value, share, color = constants(node, (node.inputs[name] for name in names))
     h, s, v = colorsys.rgb_to_hsv(*color.factor)
-    turned = colorsys.hsv_to_rgb(
-        (h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number()
-    )
+    saturated = min(1.0, max(0.0, s * saturation.number()))
+    turned = colorsys.hsv_to_rgb((h + hue.number() + 0.5) % 1.0, saturated, v * value.number())
     weight = share.number()
-    return Source(
-        tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned))
-    )
+    return Source(tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned)))
 
 
 def read_range(node, output):
@@ -174,21 +171,10 @@ ARITHMETIC = {
     "MAXIMUM": max,
 }
 READERS = {
-    "TEX_IMAGE": read_image,
-    "MIX": read_mix,
-    "MIX_RGB": read_mix_legacy,
-    "SEPARATE_COLOR": read_separate,
-    "SEPRGB": read_separate,
-    "SEPXYZ": read_separate,
-    "MATH": read_math,
-    "VERTEX_COLOR": read_attribute,
-    "ATTRIBUTE": read_attribute,
-    "VALTORGB": read_ramp,
-    "HUE_SAT": read_hue,
-    "MAP_RANGE": read_range,
-    "COMBINE_COLOR": read_combine,
-    "COMBXYZ": read_combine,
-    "BLACKBODY": read_blackbody,
-    "RGB": lambda node, output: constant(output),
-    "VALUE": lambda node, output: constant(output),
+    "TEX_IMAGE": read_image, "MIX": read_mix, "MIX_RGB": read_mix_legacy, "MATH": read_math, "VALTORGB": read_ramp,
+    "HUE_SAT": read_hue, "MAP_RANGE": read_range, "BLACKBODY": read_blackbody,
+    **dict.fromkeys(("SEPARATE_COLOR", "SEPRGB", "SEPXYZ"), read_separate),
+    **dict.fromkeys(("COMBINE_COLOR", "COMBXYZ"), read_combine),
+    **dict.fromkeys(("VERTEX_COLOR", "ATTRIBUTE"), read_attribute),
+    **dict.fromkeys(("RGB", "VALUE"), lambda node, output: constant(output)),
 }

@@ -49,10 +49,17 @@ class Source:
     def is_constant(self):
         return self.picture is None and self.attribute is None
 
+    def is_zero(self):
+        """Whether it is a constant that is not above 0."""
+        return self.is_constant() and self.number() <= 0.0
+
     def number(self):
         """Of a constant: Blender makes numbers of colours by their brightness."""
         r, g, b = self.factor
         return r if r == g == b else sum(weight * channel for weight, channel in zip(BRIGHTNESS, self.factor))
+
+
+WHITE, BLACK = Source((1.0, 1.0, 1.0)), Source((0.0, 0.0, 0.0))
 
 
 def grey(node, source, is_vector):

@@ -10,6 +10,7 @@ import numpy
 
 from ..evaluated.attributes import GENERATED, MADE
 from . import dependence
+from .images import texels_of
 
 SAMPLES = 4
 # So many texels a side have one each, in its middle, unless rays decide what they show.
@@ -69,9 +70,7 @@ class Stage:
         self.layer = self.scene.view_layers[0]
         self.layer.objects.active = self.thing
         self.thing.select_set(True, view_layer=self.layer)
-        self.image = bpy.data.images.new(
-            "sunfleck bake", self.size, self.size, float_buffer=True, alpha=False
-        )
+        self.image = bpy.data.images.new("sunfleck bake", self.size, self.size, float_buffer=True, alpha=False)
         self.image.colorspace_settings.name = "Non-Color"
         nodes = self.material.node_tree.nodes
         node = nodes.new("ShaderNodeTexImage")
@@ -81,17 +80,10 @@ class Stage:
 
     def bake(self, kind):
         """(rows from the bottom, columns, 3); normals from -1 to 1."""
-        with bpy.context.temp_override(
-            scene=self.scene,
-            view_layer=self.layer,
-            active_object=self.thing,
-            object=self.thing,
-            selected_objects=[self.thing],
-        ):
+        told = {"active_object": self.thing, "object": self.thing, "selected_objects": [self.thing]}
+        with bpy.context.temp_override(scene=self.scene, view_layer=self.layer, **told):
             bpy.ops.object.bake(type=kind)
-        pixels = numpy.empty(self.size * self.size * 4, "f4")
-        self.image.pixels.foreach_get(pixels)
-        found = pixels.reshape(self.size, self.size, 4)[..., :3].copy()
+        found = texels_of(self.image)[..., :3].copy()
         return 2.0 * found - 1.0 if kind == "NORMAL" else found
 
     def __exit__(self, *_):
@@ -106,9 +98,7 @@ def square(canvas):
     mesh = bpy.data.meshes.new("sunfleck bake")
     width, height = canvas.sides_m
     mesh.from_pydata([(0, 0, 0), (width, 0, 0), (width, height, 0), (0, height, 0)], [], [(0, 1, 2, 3)])
-    mesh.uv_layers.new(name=canvas.uv or "UVMap").uv.foreach_set(
-        "vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4")
-    )
+    mesh.uv_layers.new(name=canvas.uv or "UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
     return mesh
 
 
@@ -119,9 +109,7 @@ def mesh_of(geometry, uv):
     vertices = geometry.corner_vertices[corners]
     mesh.from_pydata(geometry.positions.tolist(), [], vertices.reshape(-1, 3).tolist())
     for name, values in geometry.uvs.items():
-        mesh.uv_layers.new(name=name).uv.foreach_set(
-            "vector", numpy.ascontiguousarray(values[corners], "f4").ravel()
-        )
+        mesh.uv_layers.new(name=name).uv.foreach_set("vector", numpy.ascontiguousarray(values[corners], "f4").ravel())
     first = next((name for name in geometry.uvs if name != uv), uv)
     mesh.uv_layers[first].active_render = True
     mesh.uv_layers.active = mesh.uv_layers[uv]

@@ -11,10 +11,10 @@ import numpy
 from . import images as files
 from .colours import rec709
 from .pictures import OTHER_FILTERS
-from .principled import WHITE, Surface
-from .sources import BRIGHTNESS, Source
+from .principled import Surface
+from .sheets import unit
+from .sources import BLACK, BRIGHTNESS, WHITE, Source
 
-BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
     "base": WHITE, "metallic": BLACK, "roughness": Source((0.5,) * 3), "ior": Source((1.5,) * 3), "specular": Source((0.5,) * 3),
     "specular_tint": WHITE, "transmission": BLACK, "coat": BLACK, "coat_roughness": BLACK, "sheen": BLACK, "sheen_roughness": BLACK,
@@ -135,25 +135,24 @@ class Writer:
         if metallic.picture is None and roughness.picture is None:
             return None
         picture = roughness.picture or metallic.picture
-        usual = (roughness.picture is None or roughness.channel == 1) and (
-            metallic.picture is None or metallic.channel == 2
-        )
-        same = metallic.picture is None or roughness.picture is None or metallic.picture == roughness.picture
-        if usual and same and metallic.picture and roughness.picture and files.is_plain(picture.image):
+        usual = roughness.channel == 1 and metallic.channel == 2
+        if usual and metallic.picture == roughness.picture and files.is_plain(picture.image):
             return self.info(picture, self.images.whole(picture, is_color=False))
-        width, height = self.common_size(metallic, roughness)
+        return self.info(picture, self.packed("metallic roughness", {1: roughness, 2: metallic}))
+
+    def packed(self, name, sources):
+        """Image with numbers in some channels, and 1 in the others."""
+        width, height = self.common_size(*sources.values())
         pixels = numpy.ones((height, width, 3), "f4")
-        for channel, source in ((1, roughness), (2, metallic)):
+        for channel, source in sources.items():
             if source.picture:
                 pixels[..., channel] = self.texels(source, width, height, is_number=True)[..., 0]
-        return self.info(picture, self.images.composed("metallic roughness", pixels))
+        return self.images.composed(name, pixels)
 
     def common_size(self, *sources):
         """Common size of the pictures for one texture."""
-        pictures = [source.picture for source in sources if source.picture]
-        return max(picture.image.size[0] for picture in pictures), max(
-            picture.image.size[1] for picture in pictures
-        )
+        sizes = [source.picture.image.size for source in sources if source.picture]
+        return tuple(max(size[axis] for size in sizes) for axis in (0, 1))
 
     def texels(self, source, width, height, is_number=False):
         """Pixels of a source's picture at a size, by nearest neighbour."""
@@ -190,9 +189,7 @@ class Writer:
         if source.picture:
             picture = source.picture
             self.check_range(picture)
-            self.put(
-                said, "emissiveTexture", self.info(picture, self.images.whole(picture, is_color=True))
-            )
+            self.put(said, "emissiveTexture", self.info(picture, self.images.whole(picture, is_color=True)))
         said["emissiveFactor"] = emission
 
     def put_alpha(self, said, surface):
@@ -231,25 +228,19 @@ class Writer:
             yield "KHR_materials_specular", said if share == 1.0 else {**said, "specularFactor": share}
 
     def coat(self):
-        coat, roughness = self.source("coat"), self.source("coat_roughness")
+        coat = self.source("coat")
         if coat.is_constant() and coat.number() == 0.0:
             return
         said = {
             "clearcoatFactor": min(1.0, max(0.0, self.number("coat"))),
             "clearcoatRoughnessFactor": min(1.0, self.number("coat_roughness")),
         }
-        for name, source, channel in (
-            ("clearcoatTexture", coat, 0),
-            ("clearcoatRoughnessTexture", roughness, 1),
-        ):
+        for channel, (name, ours) in enumerate((("clearcoat", "coat"), ("clearcoatRoughness", "coat_roughness"))):
+            source, texture = self.source(ours), f"{name}Texture"
             if source.picture and source.attribute is None:
-                self.losses.remove("texture-of-coat" if channel == 0 else "texture-of-coat-roughness")
-                width, height = source.picture.image.size
-                pixels = numpy.ones((height, width, 3), "f4")
-                pixels[..., channel] = self.texels(source, width, height, is_number=True)[..., 0]
-                factor = "clearcoatFactor" if channel == 0 else "clearcoatRoughnessFactor"
-                said[factor] = min(1.0, number_of(source))
-                self.put(said, name, self.info(source.picture, self.images.composed(name, pixels)))
+                self.losses.remove(f"texture-of-{ours.replace('_', '-')}")
+                said[f"{name}Factor"] = min(1.0, number_of(source))
+                self.put(said, texture, self.info(source.picture, self.packed(texture, {channel: source})))
         self.put(said, "clearcoatNormalTexture", self.normal(self.surface.coat_normal))
         yield "KHR_materials_clearcoat", said
 
@@ -258,10 +249,8 @@ class Writer:
         if weight > 0.0:
             tint = rec709(self.flat("sheen_tint").factor)
             color = [min(1.0, weight * channel) for channel in tint]
-            yield (
-                "KHR_materials_sheen",
-                {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))},
-            )
+            roughness = min(1.0, self.number("sheen_roughness"))
+            yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": roughness}
 
     def through(self):
         """Diffuse transmission: glTF has one share for both, and a colour for each side."""
@@ -290,15 +279,11 @@ def channel_of(pixels, channel):
 def shines(surface):
     """Whether it is glossy: its gloss is then Cycles', which differs from glTF's own."""
     sources = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic", "coat"))
-    return any(not source.is_constant() or source.number() > 0.0 for source in sources)
+    return not all(source.is_zero() for source in sources)
 
 
 def number_of(source):
     return float(source.number())
-
-
-def unit(value):
-    return min(1.0, max(0.0, value))
 
 
 def of_surface(surface, exposure):
