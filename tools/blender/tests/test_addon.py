@@ -174,6 +174,30 @@ class Export(Case):
             expected = lamp.data.energy / (4.0 * 3.141592653589793)
             self.assertAlmostEqual(frame["lights"]["lamp"]["intensity_w_per_sr"][0], expected, 4)
 
+    def test_fog_may_leave_its_material_for_its_panel(self):
+        scene = self.scene
+        scene.frame_end = 2
+        scenes.camera(scene)
+        bpy.ops.mesh.primitive_cube_add(size=2.0)
+        cube, shade = bpy.context.object, bpy.data.materials.new("glow")
+        cube.sunfleck_settings.is_fog, shade.use_nodes = True, True
+        cube.data.materials.append(shade)
+        nodes = shade.node_tree.nodes
+        nodes.remove(nodes["Principled BSDF"])
+        volume = nodes.new("ShaderNodeVolumePrincipled")
+        shade.node_tree.links.new(volume.outputs[0], nodes["Material Output"].inputs["Volume"])
+        # What glows is no fog of numbers: the panel's count from then on.
+        self.key(volume.inputs["Emission Strength"], "default_value", 0.0, 1.0)
+        path = self.folder / "scene.glb"
+        self.assertEqual([one.id for one in export.exported(scene, path).findings], ["fog-material"])
+        self.assertEqual(inspect(path)["remarks"], [])
+
+    def key(self, owner, path, *values):
+        """Keys a property, from frame 1 on; the first is at hand."""
+        for frame, value in reversed(list(enumerate(values, 1))):
+            setattr(owner, path, value)
+            owner.keyframe_insert(path, frame=frame)
+
     def test_materials_that_change_arrive(self):
         scene = self.scene
         scene.frame_start, scene.frame_end = 1, 9

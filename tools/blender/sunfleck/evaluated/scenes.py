@@ -19,12 +19,13 @@ from .values import Values, of_fog
 class Exported:
     """Result of an export, for counts."""
 
-    def __init__(self, wanted, record, assembly, library):
+    def __init__(self, wanted, record, assembly, library, values):
         self.frames, self.record, self.assembly, self.library = list(wanted), record, assembly, library
         self.materials = library.words()
         # Findings of the export itself.
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
         self.findings += record.volumes.found
+        self.findings += [Finding("fog-material", f"`{name}`") for name in sorted(values.otherwise)]
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
@@ -101,7 +102,7 @@ class Job:
         assembly.document.scene_extras = scene_extras
         finish(self.scene, assembly, self.library, self.values, self.only)
         assembly.document.write(path)
-        return Exported(self.frames, self.record, assembly, self.library)
+        return Exported(self.frames, self.record, assembly, self.library, self.values)
 
     def properties(self, key, thing, path):
         """Custom properties of an object's node; None if it gets no node."""

@@ -38,6 +38,8 @@ class Values:
         self.said = {}
         # Rendering camera at each moment: see `View`.
         self.views = []
+        # Names of fogs whose own material counts in some frames alone.
+        self.otherwise = set()
         # By owner (an object's key, or "scene") and field: frames and values.
         self.tracks = {}
 
@@ -61,6 +63,7 @@ class Values:
         if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
             self.said[key] = extras.of_object(thing, self.scene)
         if own.is_fog:
+            self.otherwise |= {thing.name} if fog.is_lost(thing) else set()
             found = fog.numbers(thing)
             if own.thins_out:
                 found["scale_height"] = own.scale_height
@@ -85,8 +88,9 @@ class Values:
             track = sorted(dict(found).items())
             if any(value != track[0][1] for _, value in track):
                 frames = numpy.array([frame for frame, _ in track], float)
-                values = numpy.array([value for _, value in track], float).reshape(len(track), -1)
-                yield owner, field, frames, values
+                # Numbers of a fog's panel are even, and its own material's are of three channels.
+                width = max(numpy.size(value) for _, value in track)
+                yield owner, field, frames, numpy.array([numpy.broadcast_to(value, width) for _, value in track], float)
 
     def write(self, assembly):
         """Writes the nodes of animated values."""
