@@ -39,6 +39,12 @@ def is_shown_alike(view):
 
 def of_scene(scene, path=None):
     """Custom properties of the scene; images are written beside `path`."""
+    found = {"sunfleck": settings(scene), "sunfleck_fog": fog_everywhere(scene), "sunfleck_env": sky(scene, path)}
+    return {name: said for name, said in found.items() if said}
+
+
+def settings(scene):
+    """Frames, picture, and how it is rendered."""
     own, render = scene.sunfleck_settings, scene.render
     percent = render.resolution_percentage / 100.0
     sunfleck = {
@@ -67,32 +73,40 @@ def of_scene(scene, path=None):
     if render.use_motion_blur:
         shutter = render.motion_blur_shutter
         sunfleck["shutter"], sunfleck["shutter_offset"] = shutter, OFFSETS[render.motion_blur_position] * shutter
-    written = {"sunfleck": sunfleck}
+    return sunfleck
+
+
+def fog_everywhere(scene):
+    """The panel's, else the world's volume; None without either."""
+    own = scene.sunfleck_settings
     if own.use_fog:
-        written["sunfleck_fog"] = {**fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height}
-    elif found := fog.of_world(scene):
-        written["sunfleck_fog"] = found
-    sky = None
+        return {**fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height}
+    return fog.of_world(scene)
+
+
+def sky(scene, path):
+    """The world, or the panel's background; None without either."""
+    own, found = scene.sunfleck_settings, None
     if world.is_sky(scene):
-        sky = world.of_world(scene, path)
+        found = world.of_world(scene, path)
     elif own.background_strength > 0.0:
-        sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
+        found = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     is_black = world.is_sky(scene) or not (world.shines(scene) or world.is_baked(scene))
-    if sky is None and is_black and not is_by_hand(scene, "sunfleck_env"):
+    if found is None and is_black and not is_by_hand(scene, "sunfleck_env"):
         # Otherwise the program adds default light.
-        sky = {"color": [0.0] * 3, "strength": 0.0}
-    if sky:
-        for one in (sky, sky.get("backdrop", {"strength": 0.0})):
-            one["strength"] *= film.exposure(scene)
-        is_dark, is_opaque = max(sky.get("color", [1.0])) * sky["strength"] == 0.0, not scene.render.film_transparent
-        if is_dark and is_opaque and world.is_sky(scene) and "backdrop" not in sky:
-            # A visible background, so that the film is not transparent.
-            sky = {"color": [NEXT_TO_BLACK] * 3, "strength": 1.0, "lights": "nothing"}
-        unseen = {} if is_opaque else {"visible_to_camera": False}
-        if not is_opaque:
-            sky.pop("backdrop", None)
-        written["sunfleck_env"] = {"lights": world.lights(scene), **sky, **unseen}
-    return written
+        found = {"color": [0.0] * 3, "strength": 0.0}
+    if found is None:
+        return None
+    for one in (found, found.get("backdrop", {"strength": 0.0})):
+        one["strength"] *= film.exposure(scene)
+    is_dark, is_opaque = max(found.get("color", [1.0])) * found["strength"] == 0.0, not scene.render.film_transparent
+    if is_dark and is_opaque and world.is_sky(scene) and "backdrop" not in found:
+        # A visible background, so that the film is not transparent.
+        found = {"color": [NEXT_TO_BLACK] * 3, "strength": 1.0, "lights": "nothing"}
+    unseen = {} if is_opaque else {"visible_to_camera": False}
+    if not is_opaque:
+        found.pop("backdrop", None)
+    return {"lights": world.lights(scene), **found, **unseen}
 
 
 def of_object(thing, scene, path=None):

@@ -29,6 +29,8 @@ LOSSES = {
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "
                               "screen with pixels of its aspect"),
     "film-exposure-changes": (WARNING, "the film's exposure changes: it is exported as it is now"),
+    "settings-change": (WARNING, "the setting changes, and a file has it as it is in one frame: the render engine has it in "
+                                 "each"),
     "frame-step": (WARNING, "every frame is in the file: Animation renders those of the step alone"),
     "view-layers": (WARNING, "one view layer is exported, the others that render are not"),
     "stereo": (WARNING, "views of stereoscopy are not exported: there is one camera"),

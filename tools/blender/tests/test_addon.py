@@ -192,6 +192,63 @@ class Export(Case):
         self.assertEqual([one.id for one in export.exported(scene, path).findings], ["fog-material"])
         self.assertEqual(inspect(path)["remarks"], [])
 
+    def test_settings_that_a_file_cannot_change_are_told(self):
+        scene, own = self.scene, self.scene.sunfleck_settings
+        scene.frame_end = 2
+        eye, sun, fog = scenes.camera(scene), scenes.sun(scene), scenes.fog_box(scene)
+        own.background_color, own.use_fog, fog.sunfleck_settings.use_mist = (1.0, 0.5, 0.5), True, True
+        shade = scenes.material("leaf", (0.1, 0.5, 0.1))
+        quad = scenes.quad(scene, "quad", 1.0, shade)
+        lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "AREA"))
+        path = self.folder / "scene.glb"
+        self.assertEqual(export.exported(scene, path).findings, [])
+        # The first are in the file, and nothing is said of them.
+        self.key(eye.data, "lens", 50.0, 20.0)
+        self.key(own, "density", 0.1, 0.2)
+        self.key(fog.sunfleck_settings, "mist_cover", 0.5, 0.2)
+        self.key(own, "background_strength", 0.5, 1.0)
+        self.key(own, "base_height", 0.0, 1.0)
+        self.key(scene.render, "film_transparent", False, True)
+        self.key(fog.sunfleck_settings, "mist_size", 1.0, 2.0)
+        self.key(sun.sunfleck_settings, "limb_darkening", 0.0, 1.0)
+        self.key(lamp.data, "shape", "SQUARE", "DISK")
+        self.key(eye.data, "clip_start", 0.001, 0.01)
+        self.key(eye.data.dof, "use_dof", False, True)
+        self.key(shade.sunfleck_settings, "is_leaf", False, True)
+        quad.sunfleck_settings.use_leaf_id = True
+        self.key(quad.sunfleck_settings, "leaf_id", 1, 2)
+        told = {str(one).split(":")[0] for one in export.exported(scene, path).findings}
+        stays = {
+            "`strength` of the sky", "`base_height` of fog everywhere", "`mist.size` of `fog`",
+            "`limb_darkening` of `sun`", "`shape` of `lamp`", "`fstop` of `camera`", "`focus_distance` of `camera`",
+            "`sensor_width_mm` of `camera`", "`leaf_id` of `quad`", "`visible_to_camera` of the sky",
+        }
+        others = {"[camera-values] `camera`", "[material-changes] the material `leaf`"}
+        self.assertEqual(told, {f"[settings-change] {one}" for one in stays} | others)
+        # Each frame alone has its own.
+        self.assertNotIn("settings-change", [one.id for one in export.exported(scene, path, only=2).findings])
+
+    def test_fog_that_comes_and_goes_is_in_the_file(self):
+        scene, own = self.scene, self.scene.sunfleck_settings
+        scene.frame_end = 3
+        scenes.camera(scene)
+        fog, box = scenes.fog_box(scene), scenes.quad(scene, "box", 1.0, scenes.material("box", (0.5, 0.5, 0.5)))
+        self.key(own, "use_fog", False, True, False)
+        self.key(fog.sunfleck_settings, "is_fog", True, False, True)
+        self.key(box.sunfleck_settings, "is_fog", False, True, False)
+        path = self.folder / "scene.glb"
+        told = export.exported(scene, path)
+        self.assertEqual(told.findings, [])
+        self.assertEqual([counted.instances for _, counted in told.counts.of], [1, 0, 1])
+        said, found = document(path), inspect(path, "--frames", "1..3")
+        fogs = {node["name"] for node in said["nodes"] if "sunfleck_fog_volume" in node.get("extras", {})}
+        shown = [{name for name in fogs if frame["nodes"][name]["visible"]} for frame in found["frames"]]
+        self.assertEqual(shown, [{"fog"}, {"box 2"}, {"fog"}])
+        everywhere = next(node for node in found["frames"][0]["nodes"] if node.startswith("ctl_"))
+        self.assertEqual(everywhere, "ctl_scene.sunfleck_fog.density")
+        self.assertIn("sunfleck_fog", said["scenes"][0]["extras"])
+        self.assertEqual(found["remarks"], [])
+
     def key(self, owner, path, *values):
         """Keys a property, from frame 1 on; the first is at hand."""
         for frame, value in reversed(list(enumerate(values, 1))):

@@ -14,6 +14,7 @@ from ..evaluated import lights, places, scenes
 from ..evaluated.assemble import turned
 from ..evaluated.attributes import numbers
 from ..evaluated.moments import Clock
+from ..evaluated.record import holds_fog
 from ..materials import dependence
 
 REST = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
@@ -73,9 +74,12 @@ def is_the_same(graph, record, changed):
     """Whether objects and their ray visibility are unchanged, and nothing depends on placements."""
     if len(record.moments) > 1 or record.capture.eyes or any(thing.kind == "VOLUME" for thing in record.things.values()):
         return False
-    there = {thing.object for thing in record.things.values()}
+    kinds = {thing.object: thing.kind for thing in record.things.values()}
     hides = "hide_render" if graph.mode == "RENDER" else "hide_viewport"
-    return all(getattr(one.evaluated_get(graph), hides) == (one not in there) for one in changed)
+    now = {one: one.evaluated_get(graph) for one in changed}
+    return all(getattr(one, hides) == (original not in kinds) for original, one in now.items()) and all(
+        original not in kinds or holds_fog(one) == (kinds[original] == "FOG") for original, one in now.items()
+    )
 
 
 def matrices_of(graph):
@@ -93,7 +97,7 @@ def move(node, place):
 
 def is_told(thing, changed):
     """Whether an object has parameters besides its placement."""
-    return thing.object in changed and thing.kind in {"LIGHT", "EMPTY"}
+    return thing.object in changed and thing.kind in {"LIGHT", "EMPTY", "FOG"}
 
 
 def tell(graph, assembly, key, thing, path):

@@ -1,7 +1,7 @@
 """Record of the graph at every moment: placements and geometries.
 
 In go graphs, out comes a `Record` of objects and instances by key. Invariants: an instance is identified
-by its object, its instancer, and its persistent id. A geometry that several show is stored once.
+by its object, its instancer, its persistent id and its kind. A geometry that several show is stored once.
 """
 
 from dataclasses import dataclass, field
@@ -21,6 +21,7 @@ from .volumes import Volumes
 KINDS = {
     **dict.fromkeys(("MESH", "CURVES", "POINTCLOUD"), "SURFACE"), **{kind: kind for kind in ("LIGHT", "CAMERA", "VOLUME", "EMPTY")},
 }
+# Beside these `FOG`, of an empty or a mesh while it holds fog.
 BLURRED = {"SURFACE", "CAMERA"}
 # Losses for these types, which nodes of a mesh may create too.
 SHAPES = {"GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
@@ -92,9 +93,9 @@ class Here:
         return self.tables[parent].of(path[::-1], instance.instance_object)
 
     def key(self, row, source, part):
-        key = (*source.names, part, self.ids[row] if source.parent else b"", 0)
+        key = (*source.names, part, self.ids[row] if source.parent else b"", source.kind, 0)
         count = self.seen[key] = self.seen.get(key, -1) + 1
-        return key if count == 0 else (*key[:4], count)
+        return key if count == 0 else (*key[:-1], count)
 
 
 class Seen(NamedTuple):
@@ -110,7 +111,7 @@ class Seen(NamedTuple):
 def kind_of(thing):
     """Kind of an object: portals only guide Cycles' sampling."""
     is_portal = thing.type == "LIGHT" and is_a_portal(thing.data)
-    return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
+    return "FOG" if holds_fog(thing) else "EMPTY" if is_portal else KINDS.get(thing.type)
 
 
 class Record:
@@ -174,7 +175,7 @@ class Record:
                 here.lamps += source.kind == "LIGHT"
                 # Zooms blur; other parameters are those of the frame.
                 if offset == 0.0 or source.kind == "CAMERA":
-                    self.watch(key, thing, frame if offset == 0.0 else frame + offset)
+                    self.watch(key, thing, frame, offset)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 

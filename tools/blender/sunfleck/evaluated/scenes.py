@@ -26,6 +26,7 @@ class Exported:
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
         self.findings += record.volumes.found
         self.findings += [Finding("fog-material", f"`{name}`") for name in sorted(values.otherwise)]
+        self.findings += values.stays.findings()
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
@@ -81,8 +82,8 @@ class Job:
         self.record.volumes.close()
         self.library.close()
 
-    def watch(self, key, thing, frame):
-        self.values.watch(key, thing, frame)
+    def watch(self, key, thing, frame, offset):
+        self.values.watch(key, thing, frame, offset)
         if thing.type == "VOLUME":
             self.values.see(key, frame, of_fog("sunfleck_fog_volume", self.record.volumes.see(key, thing, frame)))
 
@@ -120,6 +121,8 @@ def finish(scene, assembly, library, values, only):
         world_sun.add(assembly.document, sun, film.exposure(scene))
         assembly.suns_of_sky = 1
     settle_frames(assembly, only)
+    if values.fog:
+        assembly.document.scene_extras["sunfleck_fog"] = values.fog
     assembly.add_view(values)
     assembly.tracks.write()
     values.write(assembly)
@@ -138,10 +141,12 @@ def settle_frames(assembly, only):
 def properties(thing, scene, path, evaluated):
     """Custom properties of an object's node: its own, and the add-on's, even where they cannot be stored
     (linked libraries, objects that only instances show). Changing ones are evaluated. A portal is not a
-    light."""
+    light, and what holds fog at other frames alone is none."""
     found = {**by_hand(thing.object), **extras.of_object(thing.object, scene, path)}
     for name, said in evaluated.items():
         found[name] = {**found.get(name, {}), **said} if isinstance(said, dict) else said
-    if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
-        found.pop("sunfleck_light", None)
+    if thing.kind == "EMPTY":
+        found.pop("sunfleck_light" if thing.object.type == "LIGHT" else "sunfleck_fog_volume", None)
+    if thing.kind == "SURFACE":
+        found.pop("sunfleck_fog_volume", None)
     return found

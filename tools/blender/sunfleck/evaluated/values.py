@@ -12,6 +12,7 @@ from .. import extras, film, fog
 from ..stored import by_hand
 from . import cameras, lights, thinning
 from .moments import steps_of
+from .stays import Stays
 from .walk import STAND_IN
 
 # Tolerance relative to a value, above the 6e-8 of single precision.
@@ -40,6 +41,8 @@ class Values:
         self.views = []
         # Names of fogs whose own material counts in some frames alone.
         self.otherwise = set()
+        # Fog everywhere, as it is first; and what is found to change and has no track.
+        self.fog, self.stays = None, Stays()
         # By owner (an object's key, or "scene") and field: frames and values.
         self.tracks = {}
 
@@ -51,15 +54,27 @@ class Values:
             if self.shutter.holds(offset, steps):
                 view.matrix = self.views[-1].matrix
             self.views.append(view)
-        own = graph.scene_eval.sunfleck_settings
-        if own.use_fog and offset == 0.0:
-            self.see(
-                "scene", frame, {**of_fog("sunfleck_fog", fog.of_settings(own)), "sunfleck_fog.scale_height": own.scale_height}
-            )
+        if offset == 0.0:
+            if eye is not None and eye.type == "CAMERA":
+                self.stays.of_view(eye, eye.evaluated_get(graph), self.scene)
+            self.stays.of_scene(graph)
+            self.see_fog(frame, graph.scene_eval)
 
-    def watch(self, key, thing, frame):
-        """Records an evaluated object without a surface."""
+    def see_fog(self, frame, scene):
+        """Records fog everywhere, which is there without density where the panel has none."""
+        own = scene.sunfleck_settings
+        if own.use_fog:
+            self.fog = self.fog or extras.fog_everywhere(scene)
+            self.see("scene", frame, of_fog("sunfleck_fog", {**fog.of_settings(own), "scale_height": own.scale_height}))
+        else:
+            self.see("scene", frame, {"sunfleck_fog.density": 0.0})
+
+    def watch(self, key, thing, frame, offset):
+        """Records an evaluated object without a surface; zooms within the shutter too."""
         own = thing.sunfleck_settings
+        if offset == 0.0:
+            self.stays.of_object(key, thing, self.scene)
+        frame += offset
         if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
             self.said[key] = extras.of_object(thing, self.scene)
         if own.is_fog:
@@ -84,6 +99,8 @@ class Values:
     def changing(self):
         """Owner, field, frames and values (frames, 1 or 3) of animated parameters."""
         for (owner, field), found in self.tracks.items():
+            if owner == "scene" and self.fog is None:
+                continue
             # Open shutters are visited from their ends inwards, and may overlap.
             track = sorted(dict(found).items())
             if any(value != track[0][1] for _, value in track):

@@ -6,7 +6,7 @@ known (`is_told`).
 
 import numpy
 
-from .. import keys
+from .. import extras, keys
 from . import closures, principled
 from .sources import NotSimple
 from .written import of_surface
@@ -43,7 +43,7 @@ class Changes:
                 surface = None
             if surface:
                 numbers = of_surface(surface, self.exposure)
-                still = what_stays(surface)
+                still = what_stays(surface), extras.of_material(material.evaluated_get(graph))
                 if self.still.setdefault(material, still) != still:
                     self.moved.add(material)
                 self.tracks.setdefault(material, []).append((frame, numbers))
