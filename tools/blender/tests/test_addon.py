@@ -283,6 +283,20 @@ class Export(Case):
         loud = [remark for remark in inspect(path)["remarks"] if "warning" in remark]
         self.assertEqual(loud, [])
 
+    def test_what_a_material_is_later_counts_from_the_first_frame_on(self):
+        scene = self.scene
+        scene.frame_end = 2
+        scenes.camera(scene)
+        shade = scenes.material("fades", (0.1, 0.5, 0.1))
+        scenes.quad(scene, "quad", 1.0, shade)
+        inputs = shade.node_tree.nodes["Principled BSDF"].inputs
+        self.key(inputs["Alpha"], "default_value", 1.0, 0.25)
+        self.key(inputs["Metallic"], "default_value", 0.0, 1.0)
+        path = self.folder / "scene.glb"
+        self.assertEqual(export.export(scene, path), [])
+        (said,) = document(path)["materials"]
+        self.assertEqual((said["alphaMode"], said["extras"]["sunfleck_material"]["principled"]), ("BLEND", True))
+
     def environment(self, image):
         """A world that shows an image, turned by 0.4 about Z."""
         world = bpy.data.worlds.new("world")

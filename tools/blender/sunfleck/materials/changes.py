@@ -9,7 +9,7 @@ import numpy
 from .. import extras, keys
 from . import closures, principled
 from .sources import NotSimple
-from .written import of_surface
+from .written import of_surface, shines
 
 # Of animated numbers: pointers behind the material's, or none.
 POINTERS = {
@@ -26,6 +26,8 @@ class Changes:
         self.exposure, self.watched, self.tracks = exposure, set(), {}
         # What of each has no pointer, and materials of which it changes.
         self.still, self.moved = {}, set()
+        # Those that are glossy in some frame.
+        self.glossy = set()
 
     def start(self, document, clock, shutter):
         self.document, self.clock, self.shutter = document, clock, shutter
@@ -43,6 +45,7 @@ class Changes:
                 surface = None
             if surface:
                 numbers = of_surface(surface, self.exposure)
+                self.glossy |= {material} if shines(surface) else set()
                 still = what_stays(surface), extras.of_material(material.evaluated_get(graph))
                 if self.still.setdefault(material, still) != still:
                     self.moved.add(material)
@@ -61,6 +64,9 @@ class Changes:
             strength = {"emissiveStrength": max(track[0][1]["emission_strength"], 0.0)}
             said.setdefault("extensions", {}).setdefault("KHR_materials_emissive_strength", strength)
             self.document.extensions.add("KHR_materials_emissive_strength")
+        if any(numbers["base"][3] < 1.0 for _, numbers in track):
+            # The first frame may let nothing through.
+            said.setdefault("alphaMode", "BLEND")
         frames = numpy.array([frame for frame, _ in track], float)
         # While the shutter is open Cycles has materials as they are at the frame.
         way = "STEP" if self.shutter.length else "LINEAR"

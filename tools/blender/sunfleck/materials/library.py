@@ -191,7 +191,7 @@ class Library:
             writer.losses.append("normal-map-uv")
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**by_hand(material), **extras.of_material(material)} if material is not None else {}
-        ours = {"principled": True} if shines(surface) else {}
+        ours = {"principled": True} if shines(surface) or material in self.changes.glossy else {}
         if surface.shine_takes:
             ours["coat_takes"] = list(surface.shine_takes)
         if "normalTexture" in said and material is not None and of_cycles(material, "use_bump_map_correction", True):
