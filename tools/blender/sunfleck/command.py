@@ -70,8 +70,7 @@ def do_render(scene: bpy.types.Scene, known: argparse.Namespace, others: list[st
         return 4
     # `//` is the folder of the .blend file, as in Blender.
     folder = Path(bpy.path.abspath(known.folder)).resolve() if known.folder else export.default_folder(scene)
-    export.make(folder)
-    glb = folder / f"{folder.name}.glb"
+    glb: Path = export.make(folder)
     for warning in export.export(scene, glb):
         print(f"warning{warning}", file=sys.stderr)
     asked = {word.split("=")[0] for word in others}

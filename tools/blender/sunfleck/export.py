@@ -66,11 +66,13 @@ def refuse(findings):
 
 
 def make(folder):
-    """Makes a folder of files and frames."""
+    """Makes a folder for frames; returns the path of the file that goes there, with its pictures apart from the frames."""
+    inner = folder / "scene"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        inner.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        raise NotExportable(f"the folder {folder} cannot be made: {problem.strerror}") from problem
+        raise NotExportable(f"the folder {inner} cannot be made: {problem.strerror}") from problem
+    return inner / f"{folder.name}.glb"
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
@@ -120,7 +122,7 @@ def checked(scene):
 
 
 def default_folder(scene):
-    """Folder of file and frames: beside the .blend file, else a temporary one."""
+    """Folder of frames: beside the .blend file, else a temporary one."""
     stem = re.sub(r"[^\w.-]+", "_", Path(bpy.data.filepath).stem or scene.name)
     beside = Path(bpy.data.filepath).parent if bpy.data.filepath else Path(bpy.app.tempdir)
     return beside / "sunfleck" / stem

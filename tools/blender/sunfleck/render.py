@@ -123,9 +123,8 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             return False
         scene = context.scene
         folder = export.default_folder(scene)
-        glb = folder / f"{folder.name}.glb"
         try:
-            export.make(folder)
+            glb = export.make(folder)
             for warning in export.export(scene, glb, None if self.animation else scene.frame_current):
                 self.report({"WARNING"}, warning)
         except export.NotExportable as error:

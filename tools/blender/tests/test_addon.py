@@ -532,6 +532,19 @@ class Render(Case):
         shown = {output.name for output in node.outputs if output.enabled}
         self.assertLessEqual({"Combined", "Depth", "shafts", "leaf_id"}, shown)
 
+    def test_a_folder_of_frames_holds_no_other_pictures(self):
+        self.small()
+        world = self.scene.world = bpy.data.worlds.new("world")
+        world.use_nodes = True
+        texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+        texture.image = bpy.data.images.new("sky", 16, 8, float_buffer=True)
+        world.node_tree.links.new(texture.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
+        self.scene.sunfleck_settings.use_world = True
+        folder = self.folder / "frames"
+        self.assertEqual(command.main(["render", "--folder", str(folder)]), 0)
+        self.assertEqual(len(list(folder.rglob("*_sky.exr"))), 1)
+        self.assertEqual(len(list(folder.glob("*.exr"))), 3)
+
     def test_the_operator_waits_without_a_window(self):
         self.small()
         bpy.context.preferences.filepaths.temporary_directory = str(self.folder)
