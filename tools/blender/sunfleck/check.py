@@ -111,11 +111,14 @@ def is_box(scene):
 def of_cameras(scene):
     bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
     for eye in dict.fromkeys([scene.camera, *bound]):
-        if eye and eye.type == "CAMERA" and eye.data.type not in {"PERSP", "ORTHO"}:
+        if eye and eye.type != "CAMERA":
+            yield Finding("camera-other", f"`{eye.name}`")
+        elif eye and eye.data.type not in {"PERSP", "ORTHO"}:
             yield Finding("camera-panoramic", f"`{eye.name}`")
     lenses = {
         (eye.data.type, eye.data.shift_x, eye.data.shift_y, eye.data.clip_start, eye.data.clip_end)
         for eye in bound
+        if eye.type == "CAMERA"
     }
     if len(lenses) > 1:
         yield Finding("camera-cuts", more=", ".join(sorted({f"`{eye.name}`" for eye in bound})))

@@ -7,8 +7,8 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-# Text before the frame's number, the number, the extension.
-NUMBERED = re.compile(r"(.*?)(-?\d+)(\.exr)$", re.IGNORECASE)
+# Text before the frame's number, the number, the extension. A dash after other text separates, as in `leaf-0001`.
+NUMBERED = re.compile(r"(|.*?[._]|.*?(?=\d))(-?\d+)(\.exr)$", re.IGNORECASE)
 
 
 def siblings(path):
@@ -22,6 +22,8 @@ def siblings(path):
 
 def load(path):
     """Image of the sequence, with its first and last frame."""
+    if not Path(path).is_file():
+        raise RuntimeError(f"{path} is no file: choose a frame")
     numbers = siblings(Path(path)) or [0]
     image = bpy.data.images.load(str(path), check_existing=True)
     image.reload()

@@ -52,6 +52,13 @@ def trees_of(first: bpy.types.NodeTree | None) -> list[bpy.types.NodeTree]:
     return found
 
 
+def moves(thing: bpy.types.Object) -> bool:
+    """Whether an object, or what it hangs on, is keyed, driven or constrained."""
+    return (
+        any(True for _ in curves_of(thing)) or bool(thing.constraints) or (thing.parent is not None and moves(thing.parent))
+    )
+
+
 def changes(owner: bpy.types.ID) -> bool:
     """Whether any property of a material, light or world is keyed or driven."""
     return any(True for one in (owner, *trees_of(getattr(owner, "node_tree", None))) for _ in curves_of(one))

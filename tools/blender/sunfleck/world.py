@@ -76,8 +76,10 @@ def is_baked(scene):
 
 
 def changes(scene):
-    """Whether it is keyed or driven."""
-    return keys.changes(scene.world)
+    """Whether it is keyed or driven, or looked up from an object that moves."""
+    nodes = dependence.nodes_of(scene.world) if scene.world else ()
+    eyes = [node.object for node in nodes if node.type == "TEX_COORD" and node.object]
+    return keys.changes(scene.world) or any(map(keys.moves, eyes))
 
 
 def depends_on_rays(scene):

@@ -67,6 +67,9 @@ def render(world, target, view=View()):
     try:
         scene.collection.objects.link(eye)
         scene.camera, scene.world = eye, shown
+        # What the world is looked up from may move.
+        users = [one for one in bpy.data.scenes if one.world == world]
+        scene.frame_current, scene.frame_subframe = (users[0].frame_current, users[0].frame_subframe) if users else (1, 0.0)
         # What lights nothing needs no map of where it is bright: two fifths of the time.
         shown.cycles.sampling_method = "NONE"
         eye.rotation_euler = mathutils.Vector(view.towards).to_track_quat("-Z", "Y").to_euler()

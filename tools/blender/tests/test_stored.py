@@ -5,13 +5,19 @@ Run with the other tests here (test_addon.py says how).
 
 import contextlib
 import io
+import subprocess
+import tempfile
 import unittest
+from pathlib import Path
+from unittest import mock
 
 import bpy
 import scenes
-from sunfleck import check, command, export, extras, stored, world
+from sunfleck import check, command, export, extras, stored, world, world_picture
 from sunfleck.engine import passes
-from test_addon import Case, document
+from sunfleck.evaluated.document import Document
+from sunfleck.frames import NUMBERED
+from test_addon import PROGRAM, Case, document
 
 
 def light(kind):
@@ -95,6 +101,65 @@ class Unseen(Case):
         path = self.folder / "scene.glb"
         self.assertIn("no-camera", {one.id for one in export.exported(self.scene, path).findings})
         self.assertFalse([node for node in document(path).get("nodes", []) if "camera" in node])
+
+
+class Refused(Case):
+    def test_a_lamp_is_no_camera(self):
+        self.scene.camera = light("SPOT")
+        with self.assertRaisesRegex(export.NotExportable, "camera-other"):
+            export.export(self.scene, self.folder / "scene.glb")
+
+    def test_a_file_is_written_whole_or_not_at_all(self):
+        made, path = Document(), self.folder / "scene.glb"
+        path.write_bytes(b"earlier")
+        with mock.patch.object(Path, "replace", side_effect=OSError(28, "No space left on device")):
+            with self.assertRaisesRegex(OSError, "scene.glb cannot be written: No space left"):
+                made.write(path)
+        self.assertEqual([one.name for one in self.folder.iterdir()], ["scene.glb"])
+        self.assertEqual(path.read_bytes(), b"earlier")
+
+
+class Moving(Case):
+    def test_a_world_that_is_looked_up_from_an_object_is_another_once_that_has_moved(self):
+        eye = scenes.add(self.scene, "eye", None)
+        self.scene.world = seen = bpy.data.worlds.new("world")
+        if not seen.node_tree:
+            seen.use_nodes = True
+        node = seen.node_tree.nodes.new("ShaderNodeTexCoord")
+        node.object = eye
+        background = next(one for one in seen.node_tree.nodes if one.type == "BACKGROUND")
+        seen.node_tree.links.new(node.outputs["Object"], background.inputs["Color"])
+        keys = [world_picture.key_of(seen)]
+        eye.rotation_euler.z = 1.0
+        bpy.context.view_layer.update()
+        keys.append(world_picture.key_of(seen))
+        self.assertFalse(world.changes(self.scene))
+        eye.keyframe_insert("rotation_euler", frame=1)
+        self.assertTrue(world.changes(self.scene))
+        for frame in (1, 2):
+            self.scene.frame_set(frame)
+            keys.append(world_picture.key_of(seen))
+        self.assertEqual(len(set(keys)), 4)
+
+    def test_fog_without_a_side_is_not_there(self):
+        box = scenes.add(self.scene, "box", None)
+        box.sunfleck_settings.is_fog = True
+        self.scene.frame_end = 3
+        for frame, side in ((1, 1.0), (3, 0.0)):
+            box.scale = (side,) * 3
+            box.keyframe_insert("scale", frame=frame)
+        path = self.folder / "scene.glb"
+        export.export(self.scene, path)
+        with tempfile.TemporaryDirectory() as frames:
+            command = [PROGRAM, "render", str(path), "--frames", "3", "--size", "4x2", "--samples", "1", "--out", f"{frames}/"]
+            ended = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+
+
+class Numbers(unittest.TestCase):
+    def test_a_dash_after_text_is_no_sign(self):
+        for name, number in (("leaf-0001", 1), ("leaf.-0003", -3), ("-2", -2), ("leaf_12", 12), ("leaf7", 7)):
+            self.assertEqual(int(NUMBERED.match(f"{name}.exr")[2]), number, name)
 
 
 class Command(Case):

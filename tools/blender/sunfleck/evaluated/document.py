@@ -4,7 +4,9 @@ Invariant: counts and bounds of accessors are those of the buffer; equal arrays 
 """
 
 import json
+import os
 import struct
+from pathlib import Path
 
 import numpy
 
@@ -129,15 +131,22 @@ class Document:
         return said
 
     def write(self, path):
-        """Writes a .glb file."""
+        """Writes a .glb file, whole or not at all."""
         text = json.dumps(self.said(), separators=(",", ":"), allow_nan=False).encode()
         text += b" " * (-len(text) % 4)
         rest = -self.size % 4
         chunks = [(JSON_CHUNK, len(text), [text])]
         if self.size:
             chunks.append((BINARY_CHUNK, self.size + rest, [*self.pieces, b"\0" * rest]))
-        with open(path, "wb") as file:
-            file.write(struct.pack("<4sII", b"glTF", 2, 12 + sum(8 + length for _, length, _ in chunks)))
-            for kind, length, pieces in chunks:
-                file.write(struct.pack("<II", length, kind))
-                file.writelines(pieces)
+        beside = Path(path).with_name(f"{Path(path).name}.{os.getpid()}.tmp")
+        try:
+            with open(beside, "wb") as file:
+                file.write(struct.pack("<4sII", b"glTF", 2, 12 + sum(8 + length for _, length, _ in chunks)))
+                for kind, length, pieces in chunks:
+                    file.write(struct.pack("<II", length, kind))
+                    file.writelines(pieces)
+            beside.replace(path)
+        except OSError as problem:
+            raise OSError(f"{path} cannot be written: {problem.strerror}; free room there, or choose another place") from problem
+        finally:
+            beside.unlink(missing_ok=True)

@@ -169,6 +169,9 @@ class Record:
                     rows.append((row, shown[0]))
             elif source.kind == "VOLUME" and not self.volumes.is_there(thing):
                 continue
+            elif source.kind == "FOG" and not self.matrices[-1][row, :3, :3].any():
+                # A box without any side holds nothing.
+                continue
             elif source.kind is not None and instance.show_self:
                 key = here.key(row, source, "")
                 self.add(key, Seen(row, instance, thing, source, here), None)

@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from ..evaluated.geometry import digest
+from ..keys import moves
 from .images import texels_of
 
 PASSED_OVER = {
@@ -51,6 +52,10 @@ def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
         return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
     if isinstance(value, bpy.types.TexMapping):
         return [*value.translation, *value.rotation, *value.scale, value.mapping_x, value.mapping_y, value.mapping_z, value.vector_type]
+    if isinstance(value, bpy.types.Object):
+        # In a render of a sequence, Blender leaves placements as they were before it.
+        frames = [scene.frame_current_final for scene in value.users_scene] if moves(value) else []
+        return value.name_full, [tuple(row) for row in value.matrix_world], frames
     if isinstance(value, bpy.types.ID):
         return value.name_full
     return tuple(value) if hasattr(value, "__len__") and not hasattr(value, "bl_rna") else None
