@@ -45,6 +45,7 @@ LOSSES = {
     "layer-filters": (WARNING, "surfaces, hair, sky and blur that a view layer leaves out are rendered"),
     "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.
+    "not-finite": (WARNING, "a place or a vertex is no finite number: the object is left out"),
     "camera-other": (ERROR, "the camera that renders is another object: make a camera in its place"),
     "camera-panoramic": (ERROR, "the camera that renders is panoramic or custom: make it perspective or orthographic"),
     "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those "

@@ -43,11 +43,13 @@ def settle(tree, is_camera):
         share = links.link_to(mix.inputs[0])
         if share is None or share.from_node != answer:
             return
-        chosen = links.link_to(mix.inputs[2 if is_camera else 1])
+        link = links.link_to(mix.inputs[2 if is_camera else 1])
+        # Links of a node that is removed are freed.
+        chosen = link and link.from_socket
         tree.nodes.remove(mix)
         if chosen is None:
             return
-        tree.links.new(chosen.from_socket, surface)
+        tree.links.new(chosen, surface)
     if link and link.from_node.type == "BACKGROUND":
         for node in [one for one in tree.nodes if one.type == "BACKGROUND" and one != link.from_node]:
             tree.nodes.remove(node)

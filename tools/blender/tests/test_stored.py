@@ -5,6 +5,7 @@ Run with the other tests here (test_addon.py says how).
 
 import contextlib
 import io
+import math
 import subprocess
 import tempfile
 import unittest
@@ -13,8 +14,10 @@ from unittest import mock
 
 import bpy
 import scenes
-from sunfleck import check, command, export, extras, stored, world, world_picture
+from sunfleck import check, command, export, extras, stored, world, world_picture, world_rays
 from sunfleck.engine import passes
+from sunfleck.evaluated import scenes as scenes_of_export
+from sunfleck.evaluated import walk
 from sunfleck.evaluated.document import Document
 from sunfleck.frames import NUMBERED
 from test_addon import PROGRAM, Case, document
@@ -117,6 +120,49 @@ class Refused(Case):
                 made.write(path)
         self.assertEqual([one.name for one in self.folder.iterdir()], ["scene.glb"])
         self.assertEqual(path.read_bytes(), b"earlier")
+
+
+class Broken(Case):
+    def test_what_is_no_number_is_left_out_by_name(self):
+        quads = [scenes.quad(self.scene, name, 1.0, None) for name in ("whole", "bent", "lost")]
+        scenes.camera(self.scene)
+        quads[1].data.vertices[0].co.x = quads[2].location.x = math.nan
+        path = self.folder / "scene.glb"
+        found = {(one.id, one.of) for one in export.exported(self.scene, path).findings}
+        self.assertEqual({of for id, of in found if id == "not-finite"}, {"`bent`", "`lost`"})
+        self.assertEqual([node["name"] for node in document(path)["nodes"] if "mesh" in node], ["whole"])
+
+    def test_a_world_that_tells_the_camera_apart_is_settled_again_and_again(self):
+        seen = bpy.data.worlds.new("world")
+        if not seen.node_tree:
+            seen.use_nodes = True
+        tree = seen.node_tree
+        path, mix = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeMixShader")
+        for at in (1, 2):
+            tree.links.new(tree.nodes.new("ShaderNodeBackground").outputs[0], mix.inputs[at])
+        tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+        tree.links.new(mix.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+        for _ in range(50):
+            for is_camera in (False, True):
+                with world_rays.seen_by(seen, is_camera) as copy:
+                    output = copy.node_tree.get_output_node("CYCLES").inputs["Surface"]
+                    self.assertEqual(output.links[0].from_node.type, "BACKGROUND")
+
+
+class Cuts(Case):
+    def test_the_shutter_of_a_frame_has_the_frames_camera(self):
+        eyes = [scenes.camera(self.scene, (x, -6.0, 2.0)) for x in (0.0, 4.0)]
+        for frame, eye in zip((1, 3), eyes):
+            self.scene.timeline_markers.new(str(frame), frame=frame).camera = eye
+        self.scene.frame_end, self.scene.render.use_motion_blur = 4, True
+        self.scene.render.motion_blur_shutter, self.scene.render.motion_blur_position = 0.5, "CENTER"
+        with scenes_of_export.Job(self.scene) as job:
+            walk.walk(self.scene, job.frames, job.shutter, job)
+            views = sorted(job.values.views, key=lambda view: view.time)
+        self.assertEqual(
+            [(view.time, view.matrix[0, 3]) for view in views],
+            [(frame + part, 0.0 if frame < 3 else 4.0) for frame in range(1, 5) for part in (-0.25, 0.0, 0.25)],
+        )
 
 
 class Moving(Case):

@@ -176,6 +176,9 @@ class Capture:
         """Index of a geometry; None if it has no faces."""
         if made is None:
             return None
+        if not numpy.isfinite(made.positions).all():
+            self.otherwise.add(("not-finite", source.original.name))
+            return None
         used = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)}
         if materials and used and not any(self.library.is_seen(materials[slot]) for slot in used):
             self.unseen.add(source.original.name)

@@ -147,6 +147,7 @@ class Record:
         self.first_rows.append(self.first_rows[-1] + len(self.matrices[-1]) if self.moments else 0)
         self.moments.append((frame, offset))
         self.matrices.append(matrices.swapaxes(1, 2))
+        is_number = numpy.isfinite(matrices).all(axis=(1, 2))
         here = Here(graph, ids, self.attributes)
         self.capture.begin(graph, offset, self.shutter.holds(offset, 0))
         rows = []
@@ -158,6 +159,9 @@ class Record:
                 continue
             if instance.show_self:
                 self.met[source.original] = None
+            if not is_number[row]:
+                self.shapes.add(("not-finite", source.original.name))
+                continue
             if source.kind in BLURRED and not source.bends:
                 self.sharp.add(source.original.name)
             if instance.show_self and thing.type in SHAPES:

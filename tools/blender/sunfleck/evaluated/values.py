@@ -37,8 +37,8 @@ class Values:
         self.lights, self.cameras = {}, {}
         # Custom properties of lights and fog at their first appearance.
         self.said = {}
-        # Rendering camera at each moment: see `View`.
-        self.views = []
+        # Rendering camera at each moment: see `View`; and that of the frame.
+        self.views, self.eye = [], scene.camera
         # Names of fogs whose own material counts in some frames alone.
         self.otherwise = set()
         # Fog everywhere, as it is first; and what is found to change and has no track.
@@ -47,8 +47,10 @@ class Values:
         self.tracks = {}
 
     def see_scene(self, graph, frame, offset):
-        eye = self.scene.camera
+        # Markers switch cameras between frames, and not within a shutter.
+        self.eye = eye = self.scene.camera if offset == 0.0 else self.eye
         is_there = eye is not None and eye.type == "CAMERA" and STAND_IN not in eye.data
+        is_there = is_there and numpy.isfinite(eye.evaluated_get(graph).matrix_world).all()
         if is_there and self.shutter.is_step(offset, steps := steps_of(eye)):
             view = View(frame + offset, eye, eye.evaluated_get(graph), self.scene)
             if self.shutter.holds(offset, steps):
