@@ -98,14 +98,18 @@ def flags(scene, animation, size=None):
             if scene.frame_step == 1
             else [f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"]
         )
-    render = scene.render
-    if not render.use_border:
+    if not scene.render.use_border:
         return found
-    width, height = size or extras.of_scene(scene)["sunfleck"]["resolution"]
+    crop = border(scene.render, *(size or extras.settings(scene)["resolution"]))
+    return [*found, f"--crop={','.join(map(str, crop))}"]
+
+
+def border(render, width, height):
+    """First and last pixels of the render border: left, top, right, bottom."""
     left, right = (int(width * edge) for edge in (render.border_min_x, render.border_max_x))
     # Blender counts from the bottom, and drops partial pixels.
     top, bottom = (height - int(height * edge) for edge in (render.border_max_y, render.border_min_y))
-    return [*found, f"--crop={left},{top},{max(right, left + 1)},{max(bottom, top + 1)}"]
+    return left, top, max(right, left + 1), max(bottom, top + 1)
 
 
 class SUNFLECK_OT_render(bpy.types.Operator):

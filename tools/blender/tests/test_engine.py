@@ -83,6 +83,19 @@ class Engine(unittest.TestCase):
         self.assert_same(blender, self.frame())
         self.assertGreater(blender.of("RGB").max(), 0.0)
 
+    def test_pixels_may_be_wider_than_high(self):
+        wide, high = SIZE
+        self.scene.render.resolution_x *= 2
+        whole = self.still().of("RGB").reshape(high, 2 * wide, 3)
+        self.scene.render.resolution_x, self.scene.render.pixel_aspect_x = wide, 2.0
+        of_pairs = whole.reshape(high, wide, 2, 3).mean(axis=2)
+        numpy.testing.assert_allclose(self.still().of("RGB").reshape(high, wide, 3), of_pairs, rtol=1e-5)
+        render = self.scene.render
+        render.use_border, render.use_crop_to_border = True, True
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.0, 0.5
+        part = self.still().of("RGB").reshape(high // 2, wide // 2, 3)
+        numpy.testing.assert_allclose(part.mean(), of_pairs[: high // 2, wide // 4 : 3 * wide // 4].mean(), rtol=0.02)
+
     def test_the_world_is_the_sky_unless_the_panel_says_otherwise(self):
         world = self.scene.world = bpy.data.worlds.new("grey")
         world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.5, 0.75, 1.0)
@@ -278,7 +291,7 @@ class Engine(unittest.TestCase):
         key = f"cryptomatte/{cryptomatte.hash_of(b'ViewLayer.CryptoObject'):08x}"[:19]
         self.assertEqual(said[f"{key}/name"], "ViewLayer.CryptoObject")
         number = int(json.loads(said[f"{key}/manifest"])["quad"], 16)
-        bits = found["CryptoObject00.R"].view("u4")
+        bits = found["CryptoObject00.r"].view("u4")
         self.assertTrue((bits == number).any())
 
     def test_the_default_scene_is_as_bright_as_in_cycles(self):

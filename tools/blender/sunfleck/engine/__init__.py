@@ -14,6 +14,7 @@ from ..evaluated import walk
 from ..film import ENGINE
 from ..losses import by_kind
 from . import exporting, looking, panels, passes, picture, stepping
+from .aspect import Pixels
 from .viewport import View, Viewport
 
 # Interval for polling whether Blender wants to stop, seconds.
@@ -54,10 +55,11 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             self.report({"WARNING" if finding.severity == "WARNING" else "INFO"}, str(finding))
         if self.is_stopped():
             return
-        look = looking.Look(self.resolution_x, self.resolution_y)
+        pixels = Pixels(graph.scene.render, self.resolution_x, self.resolution_y)
+        look = looking.Look(*pixels.square)
         try:
-            run, frame = exporting.started(self, graph, kept, [executable, *look.flags])
-            if not self.awaited(run, look, graph.view_layer.name):
+            run, frame = exporting.started(pixels, graph, kept, [executable, *look.flags])
+            if not self.awaited(run, look, pixels, graph.view_layer.name):
                 return
         finally:
             look.close()
@@ -66,9 +68,9 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             raise exporting.NotRendered(run.error())
         for warning in run.warnings():
             self.report({"WARNING"}, warning)
-        picture.hand_over(self, graph.view_layer.name, picture.read(frame))
+        picture.hand_over(self, graph.view_layer.name, pixels.of(picture.read(frame)))
 
-    def awaited(self, run, look, layer):
+    def awaited(self, run, look, pixels, layer):
         """Waits for the program, and shows intermediate pictures; returns whether it finished."""
         began, took = time.perf_counter(), 0.0
         while not run.is_over():
@@ -79,17 +81,17 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
                 if "fraction" in news:
                     self.update_progress(news["fraction"])
                     self.update_stats("", f"Sunfleck: {100.0 * news['fraction']:.0f} %")
-            took = self.show_so_far(look, layer, took, time.perf_counter() - began)
+            took = self.show_so_far(look, pixels, layer, took, time.perf_counter() - began)
             time.sleep(LOOK_S)
         return True
 
-    def show_so_far(self, look, layer, took, elapsed):
+    def show_so_far(self, look, pixels, layer, took, elapsed):
         """Shows the picture so far, unless that takes too much time; returns the time spent so far."""
         so_far = look.newest() if took <= SHOWN_SHARE * elapsed else None
         if so_far is None:
             return took
         started = time.perf_counter()
-        picture.show(self, layer, so_far)
+        picture.show(self, layer, pixels.of(so_far))
         return took + time.perf_counter() - started
 
     def is_stopped(self):

@@ -20,7 +20,7 @@ from ..stored import by_hand
 from . import passes, patching
 
 # Losses of files that do not apply here: Blender handles these itself, or each frame has its own.
-DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer", "view-transform"}
+DONE_BY_BLENDER = {"border", "pixel-aspect", "view-layers", "frame-step", "compositor", "sequencer", "view-transform"}
 OF_EACH_FRAME = {"world-changes", "film-exposure-changes", "shutter-changes", "camera-cuts", "visibility-changes"}
 
 
@@ -190,13 +190,13 @@ def put_camera(graph, kept):
     kept.camera = service.viewer(view.matrix, {**view.said.camera, "extras": view.said.extras})
 
 
-def started(engine, graph, kept, command):
-    """Starts the program on a picture, for this one alone or with a loaded scene; returns the run and the
-    path of its frame. `command` is the program and its flags."""
+def started(pixels, graph, kept, command):
+    """Starts the program on a picture of `Pixels`, for this one alone or with a loaded scene; returns the run and
+    the path of its frame. `command` is the program and its flags."""
     executable, *told = command
     scene, frame = graph.scene, kept.path.with_suffix(".exr")
     threads = [f"--threads={scene.render.threads}"] if scene.render.threads_mode == "FIXED" else []
-    wanted = [*flags(engine, scene, graph.view_layer), *told]
+    wanted = [*flags(pixels, scene, graph.view_layer), *told]
     if not scene.render.use_persistent_data:
         return render.Run(executable, kept.path, frame, [*wanted, *threads]), frame
     if kept.service is None or not kept.service.is_alive():
@@ -204,8 +204,7 @@ def started(engine, graph, kept, command):
     return kept.service.render([*wanted, f"--out={frame}"], kept.camera), frame
 
 
-def flags(engine, scene, layer):
+def flags(pixels, scene, layer):
     """Flags for the program."""
-    size = engine.resolution_x, engine.resolution_y
     passes_wanted = ",".join(passes.wanted(scene, layer)) or "none"
-    return [f"--size={size[0]}x{size[1]}", f"--passes={passes_wanted}", *render.flags(scene, animation=False, size=size)]
+    return [f"--frames={scene.frame_current}", f"--passes={passes_wanted}", *pixels.flags()]
