@@ -16,6 +16,7 @@ import bpy
 import scenes
 import sunfleck
 from sunfleck import check, command, export, extras, frames, render
+from sunfleck.evaluated import simulations
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 
@@ -282,6 +283,32 @@ class Export(Case):
             self.assertIn(f"/materials/0/{value}", pointers)
         loud = [remark for remark in inspect(path)["remarks"] if "warning" in remark]
         self.assertEqual(loud, [])
+
+    def test_what_nodes_and_background_sets_show_is_simulated(self):
+        cloth = bpy.data.objects.new("cloth", bpy.data.meshes.new("cloth"))
+        cloth.modifiers.new("cloth", "CLOTH")
+        apart, other = bpy.data.collections.new("apart"), bpy.data.scenes.new("other")
+        apart.objects.link(cloth)
+        host = scenes.add(self.scene, "host", bpy.data.meshes.new("host"))
+        group = bpy.data.node_groups.new("shows", "GeometryNodeTree")
+        asked = group.interface.new_socket("shown", in_out="INPUT", socket_type="NodeSocketCollection").identifier
+        modifier = host.modifiers.new("shows", "NODES")
+        modifier.node_group = group
+        node = group.nodes.new("GeometryNodeCollectionInfo")
+        self.assertFalse(simulations.any_in(self.scene))
+        node.inputs["Collection"].default_value = apart
+        self.assertEqual(list(simulations.objects(self.scene)), [cloth])
+        node.inputs["Collection"].default_value = None
+        if hasattr(modifier, "properties"):
+            getattr(modifier.properties.inputs, asked).value = apart
+        else:
+            modifier[asked] = apart
+        self.assertEqual(list(simulations.objects(self.scene)), [cloth])
+        bpy.data.objects.remove(host)
+        self.assertFalse(simulations.any_in(self.scene))
+        other.collection.children.link(apart)
+        self.scene.background_set = other
+        self.assertEqual(list(simulations.objects(self.scene)), [cloth])
 
     def test_what_a_material_is_later_counts_from_the_first_frame_on(self):
         scene = self.scene

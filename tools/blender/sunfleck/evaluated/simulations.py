@@ -7,6 +7,8 @@ restored afterwards.
 
 from contextlib import contextmanager
 
+import bpy
+
 from ..keys import trees_of
 
 PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "EXPLODE"}
@@ -18,12 +20,20 @@ def any_in(scene):
 
 
 def objects(scene):
-    """Simulated objects of the scene and its instanced collections."""
-    return filter(simulates, with_instanced(scene.objects))
+    """Simulated objects of the scene and its background sets, and of what these show."""
+    things = []
+    while scene is not None:
+        things += scene.objects
+        scene = scene.background_set
+    return filter(simulates, with_those(things, shown_by))
 
 
 def with_instanced(things, is_there=lambda thing: True):
     """Objects and those of the collections that they show, each once, as far as they are there."""
+    return with_those(things, lambda thing: [thing.instance_collection] if thing.instance_type == "COLLECTION" else [], is_there)
+
+
+def with_those(things, shown, is_there=lambda thing: True):
     seen, waiting = set(), list(things)
     while waiting:
         thing = waiting.pop(0)
@@ -31,8 +41,30 @@ def with_instanced(things, is_there=lambda thing: True):
             continue
         seen.add(thing)
         yield thing
-        if thing.instance_type == "COLLECTION" and thing.instance_collection:
-            waiting += thing.instance_collection.all_objects
+        for one in shown(thing):
+            waiting += [one] if isinstance(one, bpy.types.Object) else one.all_objects if isinstance(one, bpy.types.Collection) else ()
+
+
+def shown_by(thing):
+    """Objects and collections that an object shows, or that its nodes ask for; and what else these ask for."""
+    if thing.instance_type == "COLLECTION":
+        yield thing.instance_collection
+    for system in thing.particle_systems:
+        yield system.settings.instance_object
+        yield system.settings.instance_collection
+    for modifier in thing.modifiers:
+        if modifier.type == "NODES" and modifier.node_group is not None:
+            yield from inputs_of(modifier)
+            sockets = (socket for tree in trees_of(modifier.node_group) for node in tree.nodes for socket in node.inputs)
+            yield from (socket.default_value for socket in sockets if socket.type in {"OBJECT", "COLLECTION"})
+
+
+def inputs_of(modifier):
+    """Values of a modifier of nodes; custom properties in Blender 5.0."""
+    if not hasattr(modifier, "properties"):
+        return modifier.values()
+    inputs = modifier.properties.inputs
+    return [getattr(getattr(inputs, one.identifier), "value", None) for one in inputs.bl_rna.properties if one.type == "POINTER"]
 
 
 def simulates(thing):
