@@ -483,7 +483,8 @@ class Export(Case):
         lamp["sunfleck_light"] = {"casts_shafts": True}
         marker = scenes.add(self.scene, "marker", None)
         marker["sunfleck_fog_volume"] = {"density": 0.25}
-        extras.store(self.scene)
+        marker["sunfleck_light"] = {"type": "area", "shape": "square", "size": [1.0, 1.0], "power_w": 1.0}
+        self.assertEqual(export.exported(self.scene, self.folder / "scene.glb").findings, [])
         self.assertTrue(lamp["sunfleck_light"]["casts_shafts"])
         self.assertEqual(marker["sunfleck_fog_volume"]["density"], 0.25)
 

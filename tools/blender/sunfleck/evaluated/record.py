@@ -11,7 +11,7 @@ import numpy
 
 from ..film import is_a_portal, of_cycles
 from ..materials import instances
-from ..stored import is_by_hand
+from ..stored import by_hand, is_by_hand
 from .attributes import numbers
 from .capture import Capture
 from .moments import steps_of
@@ -179,7 +179,7 @@ class Record:
             elif source.kind is not None and instance.show_self:
                 key = here.key(row, source, "")
                 self.add(key, Seen(row, instance, thing, source, here), None)
-                here.lamps += source.kind == "LIGHT"
+                here.lamps += is_light(source.kind, thing)
                 # Zooms blur; other parameters are those of the frame.
                 if offset == 0.0 or source.kind == "CAMERA":
                     self.watch(key, thing, frame, offset)
@@ -226,6 +226,12 @@ class Record:
             numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
         )
         self.matrices = []
+
+
+def is_light(kind, thing):
+    """Whether the file has it as a light: area lights may be empties with a property by hand, as the import makes them."""
+    is_area = is_by_hand(thing, "sunfleck_light") and by_hand(thing)["sunfleck_light"].get("type") == "area"
+    return kind == "LIGHT" or (is_area and thing.type != "LIGHT")
 
 
 def holds_fog(thing):
