@@ -5,9 +5,7 @@ use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
 use super::region::{self, Region};
 use super::{Attributes, FrameFileError, Provenance, file_hash};
-use crate::description::exr::{
-    self as exr_input, DeepFault, ImageColors, LARGEST_COMPRESSION, LARGEST_PICTURE, Unread,
-};
+use crate::description::exr::{self as exr_input, ImageColors, LARGEST_COMPRESSION, LARGEST_PICTURE, Unread};
 use crate::description::read_regular;
 use crate::film::Frame;
 use crate::scene::Window;
@@ -81,16 +79,10 @@ fn unsupported(path: &Path, Unread { what, remedy }: Unread) -> FrameFileError {
 fn header_of(path: &Path) -> Result<(Vec<u8>, MetaData), FrameFileError> {
     let mut bytes =
         read_regular(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
-    if let Some(unread) = Unread::of_codec(&bytes) {
+    if let Some(unread) = Unread::of_codec(&bytes).or_else(|| Unread::of_mixed(&bytes)) {
         return Err(unsupported(path, unread));
     }
     let invalid = |reason: String| FrameFileError::Invalid { path: path.to_owned(), reason };
-    if exr_input::is_deep(&bytes) {
-        bytes = exr_input::flattened(&bytes).map_err(|fault| match fault {
-            DeepFault::Damaged(reason) => invalid(reason),
-            DeepFault::Unread(unread) => unsupported(path, unread),
-        })?;
-    }
     if let Cow::Owned(renamed) = exr_input::of_the_kind_of_its_flags(&bytes) {
         bytes = renamed;
     }
@@ -107,7 +99,9 @@ fn read_in(path: &Path, bytes: &[u8], meta: &MetaData, region: Region) -> Result
     let invalid = |reason: String| FrameFileError::Invalid { path: path.to_owned(), reason };
     let parts = exr_input::names_of(&meta.headers);
     let (picture, names) = (exr_input::part_of_picture(&parts), exr_input::full_names(&parts));
-    let stored = if exr_input::is_subsampled(&meta.headers) {
+    let stored = if exr_input::is_deep(bytes) {
+        exr_input::read_deep(bytes, meta).map_err(invalid)?
+    } else if exr_input::is_subsampled(&meta.headers) {
         exr_input::read_subsampled(bytes, meta).map_err(invalid)?
     } else {
         decoded(bytes).map_err(|error| invalid(reason(&error)))?
@@ -130,7 +124,7 @@ fn read_in(path: &Path, bytes: &[u8], meta: &MetaData, region: Region) -> Result
         frame: Frame { full: region.size, window, channels },
         attributes: Attributes::from_header(&meta.headers[picture]),
         pixel_hash,
-        colors: exr_input::colors_of(bytes, picture),
+        colors: ImageColors::of(&meta.headers, picture).unwrap_or_else(|_| ImageColors::unsaid()),
         pixel_aspect: pixel_aspect(&meta.headers[0]),
     })
 }

@@ -1,9 +1,11 @@
 //! Colour space of an EXR file, by `colorInteropID` and `chromaticities`. In go attributes, out comes a
 //! space, with a loss if it is uncertain. Invariant: the id takes precedence, as in OpenImageIO.
 
-use super::raw::RawPart;
 use crate::color::{ColorSpace, NamedSpace, Primaries};
 use crate::diagnostic::Loss;
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use ::exr::meta::header::Header;
 use glam::DVec2;
 
 /// Colour space of a file's colours.
@@ -19,23 +21,28 @@ pub struct ImageColors {
 
 impl ImageColors {
     /// Default colours of files without such attributes (OpenEXR, "Standard attributes").
-    pub(super) fn unsaid() -> Self {
+    pub(crate) fn unsaid() -> Self {
         Self { space: ColorSpace::OURS, name: String::from("linear Rec. 709"), doubt: None }
     }
 
-    /// Colour space of a part.
+    /// Colour space of a part, by its attributes or else the first part's.
     ///
     /// # Errors
     /// If its chromaticities span no colours, and no other attribute has a colour space.
-    pub(super) fn of(part: &RawPart) -> Result<Self, String> {
-        let by_primaries = match part.chromaticities() {
+    pub(crate) fn of(headers: &[Header], part: usize) -> Result<Self, String> {
+        let said = |header: &Header| (header.shared_attributes.chromaticities, id(header));
+        let (chromaticities, id) = match said(&headers[part]) {
+            (None, None) => said(&headers[0]),
+            found => found,
+        };
+        let by_primaries = match chromaticities {
             None => None,
             Some(numbers) => match linear(numbers) {
                 Some(space) => Some(Self { space, name: words(numbers), doubt: None }),
                 None => return Err(String::from("the image's chromaticities span no colours")),
             },
         };
-        let Some(id) = part.text("colorInteropID") else {
+        let Some(id) = id else {
             return Ok(by_primaries.unwrap_or_else(Self::unsaid));
         };
         let instead = || by_primaries.clone().unwrap_or_else(Self::unsaid);
@@ -61,11 +68,20 @@ fn conflict(id: &str, space: ColorSpace, by_primaries: Option<ImageColors>) -> O
     Some((Loss::ColorSpaceConflict, found))
 }
 
-fn linear(numbers: [f32; 8]) -> Option<ColorSpace> {
-    let place = |at: usize| DVec2::new(numbers[at].into(), numbers[at + 1].into());
-    ColorSpace::linear(Primaries { red: place(0), green: place(2), blue: place(4), white: place(6) })
+fn id(header: &Header) -> Option<String> {
+    match header.own_attributes.other.get(&Text::from("colorInteropID"))? {
+        AttributeValue::Text(id) => Some(String::from_utf8_lossy(id.bytes()).into_owned()),
+        _ => None,
+    }
 }
 
-fn words(numbers: [f32; 8]) -> String {
-    format!("chromaticities {}", numbers.map(|number| format!("{number:.4}")).join(" "))
+fn linear(Chromaticities { red, green, blue, white }: Chromaticities) -> Option<ColorSpace> {
+    let [red, green, blue, white] =
+        [red, green, blue, white].map(|Vec2(x, y)| DVec2::new(x.into(), y.into()));
+    ColorSpace::linear(Primaries { red, green, blue, white })
+}
+
+fn words(Chromaticities { red, green, blue, white }: Chromaticities) -> String {
+    let numbers = [red, green, blue, white].map(|Vec2(x, y)| format!("{x:.4} {y:.4}"));
+    format!("chromaticities {}", numbers.join(" "))
 }

@@ -10,7 +10,7 @@ mod subsampled;
 mod unread;
 
 pub use colors::ImageColors;
-pub(crate) use deep::{Fault as DeepFault, LARGEST_COMPRESSION, LARGEST_PICTURE, flattened};
+pub(crate) use deep::read as read_deep;
 pub use names::{Picture, full_names, part_of_picture, stand_in};
 pub(crate) use raw::{PREAMBLE, of_the_kind_of_its_flags, parts as raw_parts, record};
 pub(super) use sky::{Fault, of_exr, size_of_exr};
@@ -20,18 +20,10 @@ pub(crate) use unread::is_deep;
 
 use ::exr::meta::header::Header;
 
-/// Colours of a part; linear Rec. 709 if the header has no usable attribute.
-pub(crate) fn colors_of(bytes: &[u8], part: usize) -> ImageColors {
-    let said = raw::parts(bytes).and_then(|(parts, _)| ImageColors::of(raw_part(&parts, part)?).ok());
-    said.unwrap_or_else(ImageColors::unsaid)
-}
-
-/// The part if it has attributes of colours, else the first one.
-fn raw_part<'a, 'b>(parts: &'a [raw::RawPart<'b>], part: usize) -> Option<&'a raw::RawPart<'b>> {
-    let has_colors =
-        |part: &&raw::RawPart| part.value("colorInteropID").or(part.value("chromaticities")).is_some();
-    parts.get(part).filter(has_colors).or(parts.first())
-}
+/// Maximum bytes of pixels per byte of file. Deflate reaches at most 1032, so no valid file is refused.
+pub(crate) const LARGEST_COMPRESSION: u64 = 4096;
+/// Maximum bytes of pixels: an 8K picture with thirty float channels.
+pub(crate) const LARGEST_PICTURE: u64 = 4 << 30;
 
 /// Names of all parts and of their channels.
 pub(crate) fn names_of(headers: &[Header]) -> Vec<(String, Vec<String>)> {

@@ -2,6 +2,8 @@
 //! also of files that the decoder refuses. Invariant: only files whose flags and type disagree are copied.
 //! Layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>
 
+use ::exr::io::PeekRead;
+use ::exr::meta::{Headers, MetaData, OffsetTables};
 use std::borrow::Cow;
 
 /// Magic number and version.
@@ -47,6 +49,13 @@ pub(crate) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
     }
 }
 
+/// Places of every part's chunks; `None` if the file ends before.
+pub(super) fn tables(bytes: &[u8], headers: &Headers) -> Option<OffsetTables> {
+    let (parts, end) = parts(bytes)?;
+    let tables = MetaData::read_offset_tables(&mut PeekRead::new(bytes.get(end..)?), headers);
+    tables.ok().filter(|_| parts.len() == headers.len())
+}
+
 /// An attribute as it is stored.
 pub(crate) fn record((name, kind, value): (&[u8], &[u8], &[u8])) -> Vec<u8> {
     [name, &[0], kind, &[0], &(value.len() as u32).to_le_bytes(), value].concat()
@@ -57,8 +66,8 @@ pub(crate) fn record((name, kind, value): (&[u8], &[u8], &[u8])) -> Vec<u8> {
 pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
     let as_it_is = Cow::Borrowed(bytes);
     let Some((parts, end)) = parts(bytes) else { return as_it_is };
-    let kind = if bytes[5] & TILED != 0 { "tiledimage" } else { "scanlineimage" };
-    let is_wrong = |part: &RawPart| part.text("type").is_some_and(|said| said != kind);
+    let kind: &[u8] = if bytes[5] & TILED != 0 { b"tiledimage" } else { b"scanlineimage" };
+    let is_wrong = |part: &RawPart| part.kind().is_some_and(|said| said != kind);
     if !matches!(&parts[..], [part] if !part.is_multipart && !part.has_deep_flag && is_wrong(part)) {
         return as_it_is;
     }
@@ -69,47 +78,31 @@ pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
 }
 
 /// Null-terminated text, and the bytes after it.
-pub(super) fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = bytes.iter().take(256).position(|&byte| byte == 0)?;
     Some((&bytes[..end], &bytes[end + 1..]))
 }
 
 impl RawPart<'_> {
-    /// Value of an attribute of any type.
-    pub(super) fn value(&self, name: &str) -> Option<&[u8]> {
-        let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
-        found.map(|(.., value)| *value)
+    fn attribute(&self, name: &[u8]) -> Option<&(&[u8], &[u8], &[u8])> {
+        self.attributes.iter().find(|attribute| attribute.0 == name)
     }
 
-    /// Value of a text attribute.
-    pub(super) fn text(&self, name: &str) -> Option<String> {
-        let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
-        let text = found.filter(|(_, kind, _)| *kind == b"string");
-        text.map(|(.., value)| String::from_utf8_lossy(value).into_owned())
+    /// What its `type` says.
+    fn kind(&self) -> Option<&[u8]> {
+        self.attribute(b"type").filter(|(_, kind, _)| *kind == b"string").map(|(.., value)| *value)
     }
 
     /// Compression method, as OpenEXR's number.
     pub(super) fn compression(&self) -> Option<u8> {
-        self.value("compression")?.first().copied()
+        self.attribute(b"compression")?.2.first().copied()
     }
 
     /// Whether the part is deep.
     pub(super) fn is_deep(&self) -> bool {
-        match self.text("type") {
-            Some(kind) if self.is_multipart => kind.starts_with("deep"),
+        match self.kind() {
+            Some(kind) if self.is_multipart => kind.starts_with(b"deep"),
             _ => self.has_deep_flag,
         }
-    }
-
-    /// Whether it is a cube map.
-    pub(super) fn is_cube(&self) -> bool {
-        self.value("envmap").and_then(|value| value.first()) == Some(&1)
-    }
-
-    /// x and y of red, green, blue and white.
-    pub(super) fn chromaticities(&self) -> Option<[f32; 8]> {
-        let value = self.value("chromaticities")?;
-        let numbers = value.first_chunk::<32>()?.as_chunks::<4>().0;
-        Some(std::array::from_fn(|index| f32::from_le_bytes(numbers[index])))
     }
 }

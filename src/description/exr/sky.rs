@@ -2,7 +2,7 @@
 //! the decoder takes at most three quarters of that, and 1 GiB for the parts, channels and tiles that a file
 //! declares.
 
-use super::{ImageColors, Picture, Unread, names, raw, subsampled};
+use super::{ImageColors, Picture, Unread, names, subsampled};
 use crate::color::Rgb;
 use crate::description::decoded_image::DecodedImage;
 use ::exr::block::chunk::TileCoordinates;
@@ -10,7 +10,7 @@ use ::exr::block::reader::ChunksReader;
 use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::image::{AnyChannels, FlatSamples};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::SampleType;
+use ::exr::meta::attribute::{EnvironmentMap, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use half::f16;
@@ -42,7 +42,9 @@ pub(in crate::inside::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, 
     if let Some(unread) = Unread::of(bytes) {
         return Err(unread.into());
     }
-    if is_cube(bytes) {
+    let meta = meta_of(bytes)?;
+    let first = meta.headers.first();
+    if first.is_some_and(|first| first.own_attributes.environment_map == Some(EnvironmentMap::Cube)) {
         return Err(Fault {
             found: String::from("the image shows the six sides of a cube (`envmap`)"),
             remedy: Some(String::from(
@@ -50,15 +52,9 @@ pub(in crate::inside::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, 
             )),
         });
     }
-    let meta = meta_of(bytes)?;
-    let Vec2(width, height) =
-        meta.headers.first().map_or(Vec2(0, 0), |header| header.shared_attributes.display_window.size);
+    let Vec2(width, height) = first.map_or(Vec2(0, 0), |header| header.shared_attributes.display_window.size);
     let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
     Ok((side(width), side(height)))
-}
-
-fn is_cube(bytes: &[u8]) -> bool {
-    raw::parts(bytes).is_some_and(|(parts, _)| parts.first().is_some_and(raw::RawPart::is_cube))
 }
 
 fn meta_of(bytes: &[u8]) -> Result<MetaData, Fault> {
@@ -77,9 +73,7 @@ pub(in crate::inside::description) fn of_exr(bytes: &[u8], most_texels: u64) -> 
     let part = names::part_of_picture(&parts);
     let (header, channels) = (&meta.headers[part], &parts[part].1);
     let picture = Picture::among(channels).ok_or_else(|| no_picture(&parts))?;
-    let (raw_parts, _) = raw::parts(bytes).ok_or_else(|| String::from("the header is damaged"))?;
-    let colors =
-        super::raw_part(&raw_parts, part).map_or_else(|| Ok(ImageColors::unsaid()), ImageColors::of)?;
+    let colors = ImageColors::of(&meta.headers, part)?;
     let alpha = channels.iter().position(|name| name == "A");
     let places = match picture {
         Picture::Colors([red, green, blue]) => [Some(red), Some(green), Some(blue), alpha],

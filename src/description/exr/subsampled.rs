@@ -2,7 +2,7 @@
 //! out come its parts with a value a pixel, by repeating samples. Invariant: memory is bounded by existing
 //! chunks and by the checked number of pixels.
 
-use super::raw;
+use super::{LARGEST_COMPRESSION, raw};
 use ::exr::compression::Compression;
 use ::exr::image::{AnyChannel, AnyChannels, FlatSamples};
 use ::exr::math::Vec2;
@@ -10,6 +10,9 @@ use ::exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use half::f16;
+
+/// Maximum bytes of a decompressed chunk: the decoder takes fewer than 2^30 - 1 pixels, here of two bytes.
+const LARGEST_CHUNK: u64 = (1 << 31) - 4;
 
 /// Whether a file has a subsampled channel.
 pub(crate) fn is_subsampled(headers: &[Header]) -> bool {
@@ -21,27 +24,19 @@ pub(crate) fn is_subsampled(headers: &[Header]) -> bool {
 /// # Errors
 /// With the reason if the file is damaged, or has tiles as well.
 pub(crate) fn read(bytes: &[u8], meta: &MetaData) -> Result<Vec<AnyChannels<FlatSamples>>, String> {
-    let (parts, mut at) = raw::parts(bytes).ok_or("the header is damaged")?;
-    if parts.len() != meta.headers.len() {
-        return Err(String::from("the header is damaged"));
-    }
+    let tables = raw::tables(bytes, &meta.headers).ok_or("the file ends within its table of chunks")?;
     let is_multipart = meta.requirements.has_multiple_layers;
     let mut read = Vec::new();
-    for (number, header) in meta.headers.iter().enumerate() {
+    for (number, (header, table)) in meta.headers.iter().zip(tables).enumerate() {
         if header.blocks != BlockDescription::ScanLines || header.deep {
             return Err(String::from("tiles beside channels that have fewer samples than the picture"));
         }
         if header.channels.list.iter().any(|channel| channel.sampling.0.min(channel.sampling.1) == 0) {
             return Err(String::from("a channel has a sample every 0 pixels"));
         }
-        let count = header.chunk_count;
-        let table = bytes.get(at..).and_then(|rest| rest.get(..count.checked_mul(8)?));
-        let table = table.ok_or("the file ends within its table of chunks")?;
-        at += table.len();
         let mut planes: Vec<Plane> =
             header.channels.list.iter().map(|channel| Plane::new(channel, header)).collect();
-        for offset in table.chunks_exact(8) {
-            let offset = u64::from_le_bytes(offset.try_into().map_err(|_| "no offset")?);
+        for offset in table {
             let chunk =
                 Chunk::at(bytes, offset, is_multipart.then_some(number)).ok_or("a chunk is damaged")?;
             chunk.decode(header, &mut planes)?;
@@ -211,13 +206,7 @@ impl<'a> Chunk<'a> {
         let mut header = header.clone();
         let section = match header.compression {
             Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => {
-                // A channel of bytes, of the right number.
-                header.channels.list.truncate(1);
-                header.channels.list[0].sample_type = SampleType::F16;
-                header.channels.list[0].sampling = Vec2(1, 1);
-                header.channels.bytes_per_pixel = 2;
-                header.layer_size = Vec2(size / 2, 1);
-                IntegerBounds::new((0, 0), (size / 2, 1))
+                return unpacked(&header, self.data, size);
             }
             Compression::PIZ => {
                 let area = header.layer_size.0 * rows;
@@ -240,4 +229,28 @@ impl<'a> Chunk<'a> {
         let data = compression.decompress_image_section_from_le(&header, self.data.to_vec(), section, false);
         data.map_err(|error| error.to_string())
     }
+}
+
+/// Decompresses any samples to `size` bytes, by a part of that many for the decoder. A chunk of that size is
+/// not compressed.
+pub(super) fn unpacked(header: &Header, packed: &[u8], size: usize) -> Result<Vec<u8>, String> {
+    if packed.len() == size {
+        return Ok(packed.to_vec());
+    }
+    if size == 0 || size as u64 > (packed.len() as u64).saturating_mul(LARGEST_COMPRESSION).min(LARGEST_CHUNK)
+    {
+        return Err(String::from("a chunk cannot be unpacked"));
+    }
+    // A channel of bytes, of the right number.
+    let mut header = header.clone();
+    header.deep = false;
+    header.blocks = BlockDescription::ScanLines;
+    header.channels.list.truncate(1);
+    header.channels.list[0].sample_type = SampleType::F16;
+    header.channels.list[0].sampling = Vec2(1, 1);
+    header.channels.bytes_per_pixel = 2;
+    header.layer_size = Vec2(size / 2, 1);
+    let section = IntegerBounds::new((0, 0), (size / 2, 1));
+    let data = header.compression.decompress_image_section_from_le(&header, packed.to_vec(), section, false);
+    data.map_err(|error| error.to_string())
 }

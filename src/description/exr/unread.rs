@@ -33,8 +33,14 @@ impl Unread {
         if is_deep(bytes) { Some(Self::of_deep("deep data")) } else { Self::of_codec(bytes) }
     }
 
-    /// Reason for unsupported deep data.
-    pub(super) fn of_deep(what: &str) -> Self {
+    /// Reason for a file with deep parts beside flat ones.
+    pub(crate) fn of_mixed(bytes: &[u8]) -> Option<Self> {
+        let (parts, _) = raw::parts(bytes)?;
+        let is_mixed = parts.iter().any(|part| part.is_deep() != parts[0].is_deep());
+        is_mixed.then(|| Self::of_deep("deep parts beside flat ones"))
+    }
+
+    fn of_deep(what: &str) -> Self {
         Self { what: what.to_owned(), remedy: remedy("flatten it", "--flatten --compression zip") }
     }
 
