@@ -37,12 +37,6 @@ impl Clip {
     pub const NONE: Self = Self { start_m: 0.0, end_m: f64::INFINITY };
 }
 
-impl Default for Clip {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
 /// Opening of a thin lens.
 #[derive(Clone, Debug)]
 pub struct Aperture {

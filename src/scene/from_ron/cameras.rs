@@ -1,7 +1,6 @@
 //! Cameras. In go those of a file, out come cameras with their nodes. Invariant: a camera has either a target
 //! or a rotation, and is either orthographic or has an angle of view.
 
-use super::lights::Named;
 use super::{Resolver, rotation};
 use crate::description::ron;
 use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Track};
@@ -99,7 +98,6 @@ impl Resolver<'_> {
             );
         }
         let up = self.keyed(owner, "up", &camera.up)?;
-        let from = Named { name: "position_m", point: &camera.position_m };
-        self.aimed(owner, from, Named { name: "look_at_m", point: look_at }, up)
+        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), up)
     }
 }

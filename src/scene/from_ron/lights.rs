@@ -2,17 +2,13 @@
 //! never at its target.
 
 use super::{Resolver, track};
-use crate::description::ron::{self, Animated, Keyable, Number, Point, Positive};
+use crate::description::ron::{self, Animated, Keyable, Point};
 use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
-/// Point in a file, with its field's name.
-#[derive(Clone, Copy)]
-pub(super) struct Named<'a> {
-    pub(super) name: &'a str,
-    pub(super) point: &'a Animated<Point>,
-}
+/// Points of a field, after its name.
+pub(super) type Field<'a> = (&'a str, &'a Animated<Point>);
 
 impl Resolver<'_> {
     pub(super) fn lights(&mut self) {
@@ -35,15 +31,18 @@ impl Resolver<'_> {
                     ("intensity_w_per_sr", intensity_w_per_sr),
                     self.spot(&owner, light),
                 ),
-                ron::Light::Rectangle { position_m, target_m, up, width_m, height_m, power_w, .. } => (
-                    self.aimed_light(&owner, position_m, target_m, up.0),
-                    ("power_w", power_w),
-                    self.rectangle(&owner, width_m, height_m),
-                ),
+                ron::Light::Rectangle { position_m, target_m, up, width_m, height_m, power_w, .. } => {
+                    let motion = self.aimed_light(&owner, position_m, target_m, up.0);
+                    let width = self.keyed(&owner, "width_m", width_m);
+                    let sides = width.zip(self.keyed(&owner, "height_m", height_m));
+                    let kind = sides.map(|(width, height)| area(AreaShape::Rectangle, width, height));
+                    (motion, ("power_w", power_w), kind)
+                }
                 ron::Light::Disc { position_m, target_m, diameter_m, power_w, .. } => (
                     self.aimed_light(&owner, position_m, target_m, DVec3::Y),
                     ("power_w", power_w),
-                    self.keyed(&owner, "diameter_m", diameter_m).map(disc),
+                    self.keyed(&owner, "diameter_m", diameter_m)
+                        .map(|diameter| area(AreaShape::Ellipse, diameter.clone(), diameter)),
                 ),
             };
             let power = self.keyed(&owner, field, power);
@@ -63,17 +62,6 @@ impl Resolver<'_> {
         Some(LightKind::Spot { outer_angle: outer_angle?, blend: blend?, radius: radius? })
     }
 
-    fn rectangle(
-        &mut self,
-        owner: &str,
-        width_m: &Animated<Number<Positive>>,
-        height_m: &Animated<Number<Positive>>,
-    ) -> Option<LightKind> {
-        let width = self.keyed(owner, "width_m", width_m);
-        let height = self.keyed(owner, "height_m", height_m);
-        Some(area(AreaShape::Rectangle, width?, height?))
-    }
-
     fn aimed_light(
         &mut self,
         owner: &str,
@@ -81,9 +69,7 @@ impl Resolver<'_> {
         target_m: &Animated<Point>,
         up: DVec3,
     ) -> Option<Motion> {
-        let [position, target] =
-            [Named { name: "position_m", point: position_m }, Named { name: "target_m", point: target_m }];
-        self.aimed(owner, position, target, up.into())
+        self.aimed(owner, ("position_m", position_m), ("target_m", target_m), up.into())
     }
 
     /// Track of a field.
@@ -122,16 +108,21 @@ impl Resolver<'_> {
     }
 
     /// Motion at one field's value, with -Z towards another's.
-    pub(super) fn aimed(&mut self, owner: &str, from: Named, to: Named, up: Track<DVec3>) -> Option<Motion> {
-        let position = track(from.point, &format!("{owner}.{}", from.name), &mut self.problems);
-        let target = track(to.point, &format!("{owner}.{}", to.name), &mut self.problems);
+    pub(super) fn aimed(
+        &mut self,
+        owner: &str,
+        (from, position): Field,
+        (to, target): Field,
+        up: Track<DVec3>,
+    ) -> Option<Motion> {
+        let (position, target) = (self.keyed(owner, from, position), self.keyed(owner, to, target));
         let (position, target) = (position?, target?);
         let times_s = [position.times_s(), target.times_s()].concat();
         let mut times = times_s.into_iter();
         if let Some(time_s) = times.find(|&time_s| position.at(time_s) == target.at(time_s)) {
             self.problems.error(
-                &format!("{owner}.{}", to.name),
-                format!("`{}` and `{}` are the same point at {time_s} s", from.name, to.name),
+                &format!("{owner}.{to}"),
+                format!("`{from}` and `{to}` are the same point at {time_s} s"),
                 "two different points",
                 "move one of them",
             );
@@ -157,10 +148,6 @@ fn unturned(translation: Track<DVec3>) -> Motion {
         rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
         scale: DVec3::ONE.into(),
     }
-}
-
-fn disc(diameter: Track<f64>) -> LightKind {
-    area(AreaShape::Ellipse, diameter.clone(), diameter)
 }
 
 fn area(shape: AreaShape, width: Track<f64>, height: Track<f64>) -> LightKind {
