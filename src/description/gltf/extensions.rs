@@ -181,13 +181,7 @@ pub(super) fn check(document: &Document, report: &mut Report) {
 /// Loss for a material's extension that is not supported, which names its replacement.
 pub(super) fn material_extension(extension: &str) -> Option<Loss> {
     Some(match extension {
-        "KHR_materials_clearcoat"
-        | "KHR_materials_diffuse_transmission"
-        | "KHR_materials_emissive_strength"
-        | "KHR_materials_ior"
-        | "KHR_materials_sheen"
-        | "KHR_materials_specular"
-        | "KHR_materials_unlit" => return None,
+        honoured if HONOURED.contains(&honoured) => return None,
         "KHR_materials_transmission" => Loss::TransmissionRough,
         "KHR_materials_volume" | "KHR_materials_dispersion" => Loss::TransmissionVolume,
         "KHR_materials_variants" => Loss::MaterialVariants,
