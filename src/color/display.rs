@@ -65,15 +65,10 @@ impl Display {
             Curve::Raw => light.min(Rgb::ONE),
         }
     }
-
-    /// Bytes of a colour at a pixel. Ordered dither rounds a value up with a frequency equal to its fraction,
-    /// so smooth fog shows no bands.
-    pub fn bytes(&self, color: Rgb, x: usize, y: usize) -> [u8; 3] {
-        dithered(self.encode(color), x, y)
-    }
 }
 
-/// Dithered bytes of display values, `0..=1`, at a pixel.
+/// Bytes of display values, `0..=1`, at a pixel. Ordered dither rounds a value up with a frequency equal to
+/// its fraction, so smooth fog shows no bands.
 pub fn dithered(values: Rgb, x: usize, y: usize) -> [u8; 3] {
     let threshold = (f64::from(BAYER[y % 8][x % 8]) + 0.5) / 64.0;
     values.to_array().map(|value| (value * 255.0 + threshold) as u8)
@@ -115,9 +110,9 @@ mod tests {
     fn black_is_black_and_glare_is_white() {
         for curve in [Curve::Agx, Curve::Srgb, Curve::Raw] {
             let display = Display { curve, ..AGX };
-            assert_eq!(display.bytes(Rgb::ZERO, 3, 5), [0; 3], "{curve:?}");
+            assert_eq!(dithered(display.encode(Rgb::ZERO), 3, 5), [0; 3], "{curve:?}");
             for glare in [1e4, f64::MAX, f64::INFINITY] {
-                assert_eq!(display.bytes(Rgb::splat(glare), 0, 0), [255; 3], "{curve:?} {glare}");
+                assert_eq!(dithered(display.encode(Rgb::splat(glare)), 0, 0), [255; 3], "{curve:?} {glare}");
             }
         }
     }
@@ -142,7 +137,7 @@ mod tests {
     #[test]
     fn dithering_keeps_the_mean_between_two_steps() {
         for light in [0.1, 0.18, 0.5, 1.0].map(Rgb::splat) {
-            let places = (0..64).map(|place| AGX.bytes(light, place % 8, place / 8)[0]);
+            let places = (0..64).map(|place| dithered(AGX.encode(light), place % 8, place / 8)[0]);
             let mean = places.map(f64::from).sum::<f64>() / 64.0;
             let exact = 255.0 * AGX.encode(light).x;
             assert!((mean - exact).abs() <= 1.0 / 64.0, "{light}: {mean} {exact}");

@@ -134,7 +134,7 @@ mod tests {
         for (index, (x, y)) in window.pixels().enumerate() {
             let color = frame.channels.iter().map(|channel| f64::from(channel.pixels[index]));
             let color: Vec<f64> = color.collect();
-            let expected = display.bytes(Rgb::from_slice(&color), x, y);
+            let expected = dithered(display.encode(Rgb::from_slice(&color)), x, y);
             assert_eq!(shown.get_pixel((x - 2) as u32, (y - 1) as u32).0, expected);
         }
     }

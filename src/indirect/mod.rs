@@ -78,11 +78,6 @@ impl Indirect {
         if self.solved.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
     }
 
-    /// Side of the finest cells, metres; infinite where there are none.
-    pub fn cell_m(&self) -> f64 {
-        self.solved.field.levels.first().map_or(f64::INFINITY, |level| level.grid.cell_m)
-    }
-
     /// Whether hardly anything absorbs it, so that the series of orders was cut short and is too dark.
     pub fn is_endless(&self) -> bool {
         self.solved.field.levels.iter().any(|level| level.is_endless)
