@@ -103,7 +103,7 @@ def size_of(words: Sequence[str], scene: bpy.types.Scene) -> tuple[int, int] | N
     width, height, percent = found.groups()
     if width:
         return int(width), int(height)
-    sides: list[int] = extras.of_scene(scene)["sunfleck"]["resolution"]
+    sides: list[int] = extras.settings(scene)["resolution"]
     # As the program rounds.
     wide, high = (max(1, int(side * float(percent) / 100.0 + 0.5)) for side in sides)
     return wide, high

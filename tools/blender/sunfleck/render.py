@@ -93,11 +93,8 @@ def flags(scene, animation, size=None):
     """Flags for Blender's render settings: this frame or those of the step, and the border."""
     found = [f"--frames={scene.frame_current}"]
     if animation:
-        found = (
-            []
-            if scene.frame_step == 1
-            else [f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"]
-        )
+        steps = f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"
+        found = [steps] if scene.frame_step != 1 else []
     if not scene.render.use_border:
         return found
     crop = border(scene.render, *(size or extras.settings(scene)["resolution"]))

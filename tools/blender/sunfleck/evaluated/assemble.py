@@ -55,15 +55,10 @@ class Assembly:
 
     def name(self, thing):
         """Name of an object's node; instances get a number."""
-        wanted = (
-            thing.name
-            if thing.instancer in (None, thing.object)
-            else f"{thing.name} of {thing.instancer.name}"
-        )
+        is_own = thing.instancer in (None, thing.object)
+        wanted = thing.name if is_own else f"{thing.name} of {thing.instancer.name}"
         self.names[wanted] = count = self.names.get(wanted, 0) + 1
-        if thing.instancer in (None, thing.object) and count == 1:
-            return wanted
-        return f"{wanted} {count}"
+        return wanted if is_own and count == 1 else f"{wanted} {count}"
 
     def add(self, materials, values, custom):
         """Adds all objects, in the order of their appearance, objects before instances, which give way in

@@ -223,11 +223,8 @@ def cannot_change(original, data):
 
 def own_materials(thing):
     """Materials of slots that are linked to the object."""
-    return tuple(
-        slot.material.name_full if slot.material else ""
-        for slot in thing.material_slots
-        if slot.link == "OBJECT"
-    )
+    own = (slot.material for slot in thing.material_slots if slot.link == "OBJECT")
+    return tuple(material.name_full if material else "" for material in own)
 
 
 def materials_of(thing, data):

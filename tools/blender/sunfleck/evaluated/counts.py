@@ -69,10 +69,8 @@ class Counts:
     def __init__(self, frames):
         self.numbers = {frame: number for number, frame in enumerate(frames)}
         self.instances, self.area_m2 = numpy.zeros(len(frames), int), numpy.zeros(len(frames))
-        self.lows, self.highs = (
-            numpy.full((len(frames), 3), numpy.inf),
-            numpy.full((len(frames), 3), -numpy.inf),
-        )
+        self.lows = numpy.full((len(frames), 3), numpy.inf)
+        self.highs = -self.lows
         self.lights = numpy.zeros(len(frames), int)
 
     def add(self, at, extent, matrices):

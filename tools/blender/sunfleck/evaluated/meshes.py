@@ -40,11 +40,9 @@ class Layout:
     def normals(self, geometry):
         if geometry.normals_of == "FACE":
             return None
-        of_corners = (
-            geometry.normals
-            if geometry.normals_of == "CORNER"
-            else geometry.normals[geometry.corner_vertices]
-        )
+        of_corners = geometry.normals
+        if geometry.normals_of != "CORNER":
+            of_corners = of_corners[geometry.corner_vertices]
         normals = turned(of_corners[self.corners]).astype(float)
         lengths = numpy.linalg.norm(normals, axis=1, keepdims=True)
         up = numpy.array([0.0, 1.0, 0.0])
@@ -56,11 +54,8 @@ def unique_rows(rows):
     if rows.shape[1] == 1:
         keys = rows[:, 0]
     else:
-        keys = (
-            numpy.ascontiguousarray(rows)
-            .view(numpy.dtype((numpy.void, rows.dtype.itemsize * rows.shape[1])))
-            .ravel()
-        )
+        whole = numpy.dtype((numpy.void, rows.dtype.itemsize * rows.shape[1]))
+        keys = numpy.ascontiguousarray(rows).view(whole).ravel()
     _, first, kind = numpy.unique(keys, return_index=True, return_inverse=True)
     order = numpy.argsort(first, kind="stable")
     rank = numpy.empty(len(order), int)
@@ -101,11 +96,8 @@ class Meshes:
                 "material": self.materials.number(material, geometry),
             }
             primitives.append({**primitive, "targets": targets} if targets else primitive)
-        return (
-            self.document.add("meshes", {"name": geometry.name, "primitives": primitives})
-            if primitives
-            else None
-        )
+        mesh = {"name": geometry.name, "primitives": primitives}
+        return self.document.add("meshes", mesh) if primitives else None
 
     def made_of(self, geometry, work):
         return heeding(self.heed, len(geometry.corner_vertices), work)

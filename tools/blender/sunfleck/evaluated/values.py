@@ -152,10 +152,8 @@ def light(thing, exposure):
     for part in ("real", "imaginary") if "fractal" in said else ():
         found[f"sunfleck_light.fractal_{part}"] = said["fractal"][part]
     if data.type == "SPOT":
-        found["sunfleck_light.outer_angle"], found["sunfleck_light.blend"] = (
-            0.5 * data.spot_size,
-            data.spot_blend,
-        )
+        found["sunfleck_light.outer_angle"] = 0.5 * data.spot_size
+        found["sunfleck_light.blend"] = data.spot_blend
     if data.type == "AREA":
         found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.written_size(data)
         found["sunfleck_light.spread"] = lights.spread(data)
