@@ -39,11 +39,8 @@ def duplicate_frame(listing: Listing) -> Iterator[Found]:
     for file in listing.files:
         first = chosen[file.number]
         if file is not first:
-            yield Found(
-                f"{file.path.name} has the number of {first.path.name}",
-                frame=file.number,
-                path=str(file.path),
-            )
+            said = f"{file.path.name} has the number of {first.path.name}"
+            yield Found(said, frame=file.number, path=str(file.path))
 
 
 @check("mixed-padding", Severity.WARNING, "a number is padded otherwise than the sequence's")

@@ -62,12 +62,8 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
             and kind(name) in (Kind.LIGHT, Kind.ALPHA)
             and not max(map(abs, frame.extremes(name))) < LARGEST_HALF
         ):
-            yield from first_bad(
-                frame,
-                name,
-                np.abs(stored) == LARGEST_HALF,
-                f"at the limit of half precision, {LARGEST_HALF:g}",
-            )
+            said = f"at the limit of half precision, {LARGEST_HALF:g}"
+            yield from first_bad(frame, name, np.abs(stored) == LARGEST_HALF, said)
 
 
 @check("negative", Severity.ERROR, "light, transmittance or albedo is negative")

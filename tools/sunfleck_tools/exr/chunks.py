@@ -99,10 +99,8 @@ def _raw_bytes(header: Header, place: Place) -> int:
         described = header.values["tiles"]
         assert isinstance(described, tuple), "of others the places are not known"
         wide, high, _ = described
-        columns, rows = (
-            min(wide, right - left + 1 - place[0] * wide),
-            min(high, bottom - top + 1 - place[1] * high),
-        )
+        columns = min(wide, right - left + 1 - place[0] * wide)
+        rows = min(high, bottom - top + 1 - place[1] * high)
     else:
         columns, rows = right - left + 1, min(ROWS_OF_COMPRESSION[PIZ], bottom + 1 - place[0])
     return sum(

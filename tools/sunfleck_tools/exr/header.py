@@ -159,11 +159,8 @@ def _header(flags: int, values: dict[str, object], end: int) -> Header:
             raise HeaderError(f"the header has no {name}")
         return values[name]
 
-    channels, data, display = (
-        required("channels", tuple),
-        required("dataWindow", tuple),
-        required("displayWindow", tuple),
-    )
+    channels = required("channels", tuple)
+    data, display = required("dataWindow", tuple), required("displayWindow", tuple)
     compression = required("compression", int)
     if data[2] < data[0] or data[3] < data[1]:
         raise HeaderError("the data window is empty or inside out")

@@ -154,10 +154,8 @@ def matte(reflectance, image=None, texture=None):
     surface.inputs["Color"].default_value = (*reflectance, 1.0)
     if image is not None:
         read = nodes.new("ShaderNodeTexImage")
-        read.image, read.extension = (
-            image,
-            {"repeat": "REPEAT", "clamp": "EXTEND", "mirror": "MIRROR"}[texture.wrap],
-        )
+        read.image = image
+        read.extension = {"repeat": "REPEAT", "clamp": "EXTEND", "mirror": "MIRROR"}[texture.wrap]
         links.new(scaled(nodes, links, read.outputs["Color"], reflectance), surface.inputs["Color"])
     surface.inputs["Roughness"].default_value = 0.0
     links.new(surface.outputs[0], out.inputs["Surface"])

@@ -26,11 +26,8 @@ def _lines(checked: Checked) -> list[str]:
             lines.append(finding.line())
     for check, count in seen.items():
         if count > MOST_OF_A_KIND:
-            frames = {
-                finding.frame
-                for finding in checked.findings
-                if finding.check == check and finding.frame is not None
-            }
+            same = (finding.frame for finding in checked.findings if finding.check == check)
+            frames = {frame for frame in same if frame is not None}
             lines.append(f"... {count - MOST_OF_A_KIND} more [{check}]{_named(', in all frames ', frames)}")
     return [*lines, verdict(checked)]
 

@@ -51,11 +51,8 @@ class Bakery:
             [part for part, _ in parts], [is_color for _, is_color in parts]
         )
         factors = [1.0] * 3 if rgb.texture is not None else [*_shares(rgb.numbers)]
-        colors = (
-            planes.pop(0)[..., :3]
-            if rgb.texture is not None
-            else np.ones((*planes[0].shape[:2], 3), np.float32)
-        )
+        even = np.ones((*planes[0].shape[:2], 3), np.float32)
+        colors = even if rgb.texture is None else planes.pop(0)[..., :3]
         baked = [srgb_from_linear(self._clipped(colors, rgb.texture or alpha.map))]
         if alpha.texture is not None:
             baked.append(self._clipped(planes.pop(0)[..., :1], alpha.map))

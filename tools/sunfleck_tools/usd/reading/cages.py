@@ -5,6 +5,7 @@ Invariant: equal cages are refined once.
 """
 
 from functools import cached_property
+from typing import NoReturn
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -197,21 +198,19 @@ def _cage(
     prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float
 ) -> Cage:
     """Faces of a mesh with creases and corners. Raises `SceneError`."""
+    def refuse(what: str) -> NoReturn:
+        raise SceneError(f"{prim.GetPath()}: {what}")
+
     scheme = value_of(mesh.GetSubdivisionSchemeAttr(), code)
     if scheme == UsdGeom.Tokens.loop and (counts != 3).any():
-        raise SceneError(
-            f"{prim.GetPath()}: the scheme `loop` is one of triangles, and it has faces of other counts"
-        )
+        refuse("the scheme `loop` is one of triangles, and it has faces of other counts")
     lengths = rows_of(mesh.GetCreaseLengthsAttr(), code, 1, np.int64).ravel()
     chain = rows_of(mesh.GetCreaseIndicesAttr(), code, 1, np.int64).ravel()
     sharpness = rows_of(mesh.GetCreaseSharpnessesAttr(), code, 1).ravel()
     ends, crease = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(lengths):
         if (lengths < 2).any() or lengths.sum() != len(chain):
-            raise SceneError(
-                f"{prim.GetPath()}: creaseLengths ask for {lengths.sum()} points, creaseIndices have "
-                f"{len(chain)}"
-            )
+            refuse(f"creaseLengths ask for {lengths.sum()} points, creaseIndices have {len(chain)}")
         last = np.zeros(len(chain), bool)
         last[np.cumsum(lengths) - 1] = True
         ends = np.stack([chain[:-1], chain[1:]], axis=1)[~last[:-1]]
@@ -220,20 +219,14 @@ def _cage(
         elif len(sharpness) == len(ends):
             crease = sharpness
         else:
-            raise SceneError(
-                f"{prim.GetPath()}: has {len(lengths)} creases and {len(sharpness)} creaseSharpnesses"
-            )
+            refuse(f"has {len(lengths)} creases and {len(sharpness)} creaseSharpnesses")
     tips = rows_of(mesh.GetCornerIndicesAttr(), code, 1, np.int64).ravel()
     tip_sharpness = rows_of(mesh.GetCornerSharpnessesAttr(), code, 1).ravel()
     if len(tips) != len(tip_sharpness):
-        raise SceneError(
-            f"{prim.GetPath()}: has {len(tips)} cornerIndices and {len(tip_sharpness)} cornerSharpnesses"
-        )
+        refuse(f"has {len(tips)} cornerIndices and {len(tip_sharpness)} cornerSharpnesses")
     for name, indices in (("creaseIndices", ends), ("cornerIndices", tips)):
         if indices.size and (indices.min() < 0 or indices.max() >= points):
-            raise SceneError(
-                f"{prim.GetPath()}: {name} go from {indices.min()} to {indices.max()}, of {points} points"
-            )
+            refuse(f"{name} go from {indices.min()} to {indices.max()}, of {points} points")
     at_vertex = np.zeros(points)
     at_vertex[tips] = np.where(np.isnan(tip_sharpness), 0.0, tip_sharpness)
     rule = value_of(mesh.GetTriangleSubdivisionRuleAttr(), code)

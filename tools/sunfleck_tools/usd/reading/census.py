@@ -72,10 +72,8 @@ class Census:
         """Instances of the instancers in a prototype."""
         if not prototype:
             return 0
-        found, prims = (
-            0,
-            iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded))),
-        )
+        found = 0
+        prims = iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)))
         for prim in prims:
             if prim.IsA(UsdGeom.PointInstancer):
                 found += self._instances(prim, depth + 1)

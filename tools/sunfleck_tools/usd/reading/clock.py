@@ -95,11 +95,9 @@ def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[floa
         what = f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken"
         lost.add("usd-clock", "/", what)
         return sampled
-    first = (
-        max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame
-        if math.isfinite(sampled[0])
-        else 0.0
-    )
+    first = 0.0
+    if math.isfinite(sampled[0]):
+        first = max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame
     lost.add("usd-clock", "/", f"{said}; {first:g} alone is taken")
     return first, first
 

@@ -103,11 +103,8 @@ class _Reader:
         rows, placed, shown = rows[order], placed[order], shown[order]
         starts = np.nonzero(np.diff(rows[:, :2], axis=0, prepend=rows[:1, :2] - 1).any(axis=1))[0]
         slices = [slice(first, last) for first, last in zip(starts, [*starts[1:], len(rows)])]
-        found = [
-            self._member(rows[part], placed[part], shown[part])
-            for part in slices
-            if shown[part].any() and self.prototypes[rows[part][0, 1]]
-        ]
+        there = [part for part in slices if shown[part].any() and self.prototypes[rows[part][0, 1]]]
+        found = [self._member(rows[part], placed[part], shown[part]) for part in there]
         # By the time of appearance, then by the index in the arrays.
         return [member for _, member in sorted(found, key=lambda each: each[0])]
 
@@ -149,10 +146,8 @@ class _Reader:
         return self._colors[key]
 
     def _changes(self) -> bool:
-        return any(
-            each.ValueMightBeTimeVarying()
-            for each in (self.instancer.GetProtoIndicesAttr(), self.instancer.GetIdsAttr())
-        )
+        attributes = (self.instancer.GetProtoIndicesAttr(), self.instancer.GetIdsAttr())
+        return any(each.ValueMightBeTimeVarying() for each in attributes)
 
     def _has_ids(self) -> bool:
         return self.instancer.GetIdsAttr().HasAuthoredValue()

@@ -40,11 +40,9 @@ def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np
     """The same for an instance, which stands elsewhere than the prim: `still` is its transform at the
     first code."""
     found = linears(prim, codes)
-    return (
-        still @ np.linalg.inv(found[0]) @ found
-        if abs(np.linalg.det(found[0])) > 0
-        else np.broadcast_to(still, found.shape)
-    )
+    if abs(np.linalg.det(found[0])) > 0:
+        return still @ np.linalg.inv(found[0]) @ found
+    return np.broadcast_to(still, found.shape)
 
 
 def ball_area(halves: np.ndarray) -> np.ndarray:

@@ -144,11 +144,9 @@ class Meshes:
         return primitive
 
     def _accessor(self, name: str, values: np.ndarray) -> int:
-        return (
-            self.writer.joints(values)
-            if name.startswith("JOINTS_")
-            else self.writer.floats(values, name == "POSITION")
-        )
+        if name.startswith("JOINTS_"):
+            return self.writer.joints(values)
+        return self.writer.floats(values, name == "POSITION")
 
     def _material(self, part: Shape) -> int | None:
         try:

@@ -36,10 +36,8 @@ def _fans(cage: Cage) -> np.ndarray:
     twin, other = twin[open_], other[open_]
     same_way = cage.corners[twin] == cage.corners[other]
     left = np.concatenate([twin, cage.next_corner[twin]])
-    near, far = (
-        np.where(same_way, other, cage.next_corner[other]),
-        np.where(same_way, cage.next_corner[other], other),
-    )
+    near = np.where(same_way, other, cage.next_corner[other])
+    far = np.where(same_way, cage.next_corner[other], other)
     right = np.concatenate([near, far])
     inside = own[left]
     left, right = left[inside], right[inside]

@@ -141,11 +141,8 @@ def _joined(solids: list[Solid]) -> Solid:
     starts = np.cumsum([0] + [len(each.points) for each in solids])
     corners = np.concatenate([each.faces.corners + start for each, start in zip(solids, starts)])
     faces = Faces(np.concatenate([each.faces.counts for each in solids]), corners, np.zeros(0, np.int64))
-    return Solid(
-        np.concatenate([each.points for each in solids]),
-        faces,
-        np.concatenate([each.normals for each in solids]),
-    )
+    points = np.concatenate([each.points for each in solids])
+    return Solid(points, faces, np.concatenate([each.normals for each in solids]))
 
 
 def _cube(size: float) -> Solid:

@@ -152,11 +152,8 @@ def _keep(material: dict, extras: dict) -> None:
     for name in NOT_CARRIED:
         # Their textures have indices of another file.
         said = extras.get(name)
-        numbers = (
-            {key: value for key, value in said.items() if not isinstance(value, dict)}
-            if isinstance(said, dict)
-            else {}
-        )
+        given = said if isinstance(said, dict) else {}
+        numbers = {key: value for key, value in given.items() if not isinstance(value, dict)}
         if numbers:
             material.setdefault("extensions", {})[name] = numbers
 
