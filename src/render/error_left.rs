@@ -42,14 +42,15 @@ impl Light {
     }
 }
 
-/// Residual of each half of the walks after the other half's correction. Products of two walks' errors have
-/// no noise on average, as walks are independent.
+/// Residuals of pairs of walks, after corrections that do not know the other walk: of two in one half after
+/// the other half's correction, of one in each half after its own. So products have no noise on average.
 pub(super) struct Left {
     /// Sums of such products near each cell, and their number.
     products: Map<f64>,
     pairs: Map<f64>,
     variances: Map<f64>,
-    /// Square of the noise of the correction, in means over surroundings. That of a half is twice as large.
+    /// Square of the noise of the correction, in means over surroundings. That of a half is twice as large,
+    /// and counts in half of the pairs.
     noise: Map<f64>,
 }
 
@@ -71,18 +72,23 @@ impl Left {
         let noise = noise.like(|cell| mean(noise.of(cell) * near.of(cell)));
         let none = Map::filled(shape, 0.0);
         let mut all = Self { products: none.clone(), pairs: none.clone(), variances: none, noise };
-        for (half, other) in halves.iter().zip(corrections.iter().rev()) {
-            let (sums, squares) = half.left(other);
-            let (near, count) = (sums.smoothed(near_cells), half.count());
-            let count_near = count.smoothed(near_cells);
-            let squares = squares.like(|cell| mean(squares.of(cell)));
-            let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
-            for cell in 0..shape.count() {
-                // Without the products of a walk with itself.
-                *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
-                *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
-                *all.variances.cell_mut(cell) += 2.0 * squares.of(cell) * squares_near.of(cell);
-            }
+        let left = [0, 1].map(|half| halves[half].left(&corrections[1 - half]));
+        let own = [0, 1].map(|half| halves[half].left(&corrections[half]).0);
+        let near = |sums: &Map<Rgb>| sums.smoothed(near_cells);
+        let (left_near, own_near) = (left.each_ref().map(|(sums, _)| near(sums)), own.each_ref().map(near));
+        let count = halves[0].with(&halves[1]).count();
+        let count_near = count.smoothed(near_cells);
+        let squares = count.like(|cell| left.iter().map(|(_, squares)| mean(squares.of(cell))).sum::<f64>());
+        let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
+        for cell in 0..shape.count() {
+            let of_half = |half: usize| {
+                left[half].0.of(cell) * left_near[half].of(cell)
+                    + own[half].of(cell) * own_near[1 - half].of(cell)
+            };
+            // Without the products of a walk with itself.
+            *all.products.cell_mut(cell) = mean(of_half(0) + of_half(1)) - squares.of(cell);
+            *all.pairs.cell_mut(cell) = count.of(cell) * (count_near.of(cell) - 1.0);
+            *all.variances.cell_mut(cell) = 2.0 * squares.of(cell) * squares_near.of(cell);
         }
         all
     }
@@ -102,7 +108,7 @@ impl Left {
         let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
         let expected = EXPECTED.powi(2) * square_of_light;
         // The uncertainty is added, so that few walks never give a small error.
-        let rest = product - 2.0 * noise.sum() / cells;
+        let rest = product - noise.sum() / cells;
         let whole = judged(rest, variance, expected) + doubt(variance, expected);
         let [products, pairs] = [products, pairs].map(|map| map.smoothed(LOCAL));
         let noise = noise.averaged(LOCAL);
@@ -112,7 +118,7 @@ impl Left {
             let expected =
                 if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
             let noise = noise.of(cell).max(0.0);
-            noise + judged(product - 2.0 * noise, variance, expected)
+            noise + judged(product - noise, variance, expected)
         })
     }
 }

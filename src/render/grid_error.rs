@@ -3,7 +3,7 @@
 //! part.
 
 use super::Job;
-use super::correction::{Correction, Scheme, mean};
+use super::correction::{self, Correction, mean};
 use super::error_left::{Left, Light};
 use super::importance::Importance;
 use super::map::{Map, Shape};
@@ -129,12 +129,12 @@ impl GridError {
     /// Error from the sums of two halves of the walks.
     fn of(halves: &[Moments; 2], survey: &Survey, size: Size) -> Self {
         let all = halves[0].with(&halves[1]);
-        let schemes: [Scheme; PASSES] = std::array::from_fn(|pass| Scheme::of(&all, pass));
-        let shares = |moments: &Moments, times: f64| -> [Map<Rgb>; PASSES] {
-            std::array::from_fn(|pass| schemes[pass].shares(moments, times))
-        };
-        let (correction, of_halves) = (shares(&all, 1.0), halves.each_ref().map(|half| shares(half, 2.0)));
         let near_cells = surroundings(size);
+        let of_halves = correction::by_halves(halves, near_cells);
+        let correction: [Map<Rgb>; PASSES] = std::array::from_fn(|pass| {
+            let [one, other] = of_halves.each_ref().map(|shares| &shares[pass]);
+            one.like(|cell| 0.5 * (one.of(cell) + other.of(cell)))
+        });
         let light = Light::of(&all);
         let left = Left::of((halves, near_cells), &of_halves, &light);
         let squares = left.squares(&light);
