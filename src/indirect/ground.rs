@@ -21,6 +21,8 @@ pub(super) struct Ground {
     /// Height from the world's origin along the direction in which fog thins out, metres.
     pub(super) height_m: f64,
     pub(super) optics: SurfaceOptics,
+    /// Its parts, by number.
+    pub(super) parts: Vec<usize>,
 }
 
 /// Ground beneath fog.
@@ -32,9 +34,8 @@ pub(super) enum Beneath {
 }
 
 impl Beneath {
-    /// Finds the ground below fog that thins out along `up` with the scale height `scale_m`. Marks parts of a
-    /// plain.
-    pub(super) fn of(surroundings: &mut Surroundings, up: DVec3, scale_m: f64) -> Self {
+    /// Finds the ground below fog that thins out along `up` with the scale height `scale_m`.
+    pub(super) fn of(surroundings: &Surroundings, up: DVec3, scale_m: f64) -> Self {
         let across = |(low, high): (DVec3, DVec3)| {
             let size = high - low;
             size - size.dot(up.abs()) * up.abs()
@@ -63,7 +64,7 @@ impl Beneath {
         if !is_plain {
             return Self::Nothing;
         }
-        let numbers: Vec<usize> = flat.iter().map(|part| part.0).collect();
-        Self::Plain(Ground { height_m, optics: surroundings.take_plain(&numbers) })
+        let parts: Vec<usize> = flat.iter().map(|part| part.0).collect();
+        Self::Plain(Ground { height_m, optics: surroundings.mean_of(&parts), parts })
     }
 }

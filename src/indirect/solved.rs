@@ -95,7 +95,10 @@ fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces
         Beneath::Nothing => None,
         Beneath::Plain(ground) => Some(ground),
     };
-    Layers::new(snapshot, (fog, other_fog), ground.as_ref(), bounces)
+    let layers = Layers::new(snapshot, (fog, other_fog), ground.as_ref(), bounces)?;
+    // Ground without layers above it belongs to the grids.
+    ground.iter().for_each(|ground| surroundings.mark_plain(&ground.parts));
+    Some(layers)
 }
 
 /// Whether cells for leaves are thin or clear beside a slab of fog, of a height and an extinction: within

@@ -45,15 +45,18 @@ impl Surroundings<'_> {
         corners.filter(is_level).flatten().collect()
     }
 
-    /// Marks parts as plain ground below layers of fog; returns their mean optics.
-    pub(crate) fn take_plain(&mut self, numbers: &[usize]) -> SurfaceOptics {
+    /// Mean optics of parts, by their areas.
+    pub(crate) fn mean_of(&self, numbers: &[usize]) -> SurfaceOptics {
         let mut mean = MeanOptics::default();
-        for &number in numbers {
-            self.parts[number].is_plain = true;
-            let part = &self.parts[number];
+        for part in numbers.iter().map(|&number| &self.parts[number]) {
             mean.add(part.width_m * part.length_m, &self.mean_optics(part, POINTS));
         }
         mean.mean()
+    }
+
+    /// Marks parts as plain ground below layers of fog.
+    pub(crate) fn mark_plain(&mut self, numbers: &[usize]) {
+        numbers.iter().for_each(|&number| self.parts[number].is_plain = true);
     }
 
     /// Boxes of all parts that are narrower and not plain ground, in world space.
