@@ -94,7 +94,7 @@ impl<'a> Contents<'a> {
         let small_emissive = context.emissive.as_ref().filter(|_| self.emissive_share() < MOST_EMISSIVE);
         let emissive = small_emissive.map_or(&[][..], Vec::as_slice);
         let lights = snapshot.lights.as_slice();
-        let light = WallLight { snapshot, lights, emissive, grid, fog, walls, quadrature };
+        let light = WallLight { snapshot, lights, emissive, grid, fog, walls, quadrature, cancelled };
         let LitWalls { irradiances, glossy } = light.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
         let mut sent = walls.walls.scattered(&irradiances);

@@ -38,6 +38,8 @@ pub(super) struct WallLight<'a> {
     pub(super) fog: &'a DeltaScaledFog<'a>,
     pub(super) walls: &'a SnapshotWalls,
     pub(super) quadrature: &'a Quadrature,
+    /// Returns whether the light is no longer needed.
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Irradiance on walls, and their highlights.
@@ -63,13 +65,17 @@ impl WallLight<'_> {
         LitWalls { irradiances, glossy: GlossySource::new(&along) }
     }
 
-    /// Light of one luminaire on a patch. `tell` gets the irradiance on each of its squares.
+    /// Light of one luminaire on a patch, none once `cancelled`. `tell` gets the irradiance on each of its
+    /// squares.
     pub(super) fn arriving(
         &self,
         light: &Luminaire,
         (patch, primitive): (&Patch, PrimitiveId),
         mut tell: impl FnMut(&Square, Rgb),
     ) -> Option<Arriving> {
+        if (self.cancelled)() {
+            return None;
+        }
         let (node, middle) = self.node_and_middle(patch);
         let (points, cell_m) = (light.points(), self.grid.cell_m);
         let is_within = |from: DVec3, point: &FrozenLight, cells: f64| matches!(point.place(), LightPlace::At(place) if place.distance(from) < cells * cell_m);
