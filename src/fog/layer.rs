@@ -26,8 +26,8 @@ impl FogBank {
     }
 
     /// A level slab of even fog without its sides, if these are far, and the ground ends with them and begins
-    /// with the fog. `things` has the bounds of all that is so wide, in relative space.
-    pub(super) fn without_sides(&self, things: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> Option<Self> {
+    /// with the fog. `ground` has the bounds of what faces up and is so wide, in relative space.
+    pub(super) fn without_sides(&self, ground: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> Option<Self> {
         let (low, high) = self.bounds().filter(|_| self.is_even())?;
         let half = 0.5 * (high - low);
         let DAffine3 { matrix3, translation } = self.cube_from_relative;
@@ -35,11 +35,11 @@ impl FogBank {
         let is_level = matrix3 == DMat3::from_diagonal(along);
         let is_flat = half.x.min(half.z) > FAR * (2.0 * half.y).max(1.0 / self.sigma_t.min_element());
         // What drifts past its sides is not ground.
-        let things = if is_level && is_flat { things(half.x.min(half.z))? } else { return None };
-        if low.y > things.0.y + WITHIN * half.y {
+        let ground = if is_level && is_flat { ground(half.x.min(half.z))? } else { return None };
+        if low.y > ground.0.y + WITHIN * half.y {
             return None;
         }
-        let gaps = [things.0 - low, high - things.1];
+        let gaps = [ground.0 - low, high - ground.1];
         let is_near = |gap: DVec3| gap.abs().cmple(BESIDE * half);
         let up = DVec3::Y;
         let cube_from_relative =

@@ -207,13 +207,13 @@ impl Medium {
     }
 
     /// Fog that differs with height alone, and all other fog. The former are unbounded banks, or slabs where
-    /// there are none; `things` has the bounds of all that is as wide as its argument.
-    pub fn layers_and_rest(&self, things: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> (Self, Self) {
+    /// there are none; `ground` has the bounds of all ground as wide as its argument.
+    pub fn layers_and_rest(&self, ground: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> (Self, Self) {
         let (mut layers, mut rest) = (Vec::new(), Vec::new());
         for bank in &self.banks {
             let layer = match self.is_unbounded() {
                 true => (!bank.is_bounded()).then(|| bank.clone()),
-                false => bank.without_sides(things),
+                false => bank.without_sides(ground),
             };
             match layer {
                 Some(layer) => layers.push(layer),

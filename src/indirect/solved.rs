@@ -11,8 +11,10 @@ use super::sky::has_sky;
 use crate::canopy::core_bounds::{Strays, Weighed, core_bounds};
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::surroundings::Surroundings;
+use crate::math::bounds;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Light of all orders after the first.
@@ -74,16 +76,13 @@ impl Solved {
 /// Layers around all grids, if fog differs with height alone and no hills lie below it. Slabs need a plain.
 fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
     let eye = snapshot.view.eye;
-    let things = |width_m: f64| {
-        let is_wide = |thing: &Weighed| {
-            let size = thing.bounds.1 - thing.bounds.0;
-            size.x.max(size.z) >= width_m
-        };
-        let wide = surroundings.boxes(f64::INFINITY).into_iter().filter(is_wide).collect();
-        let (low, high) = core_bounds(wide, Strays::Lost)?;
+    let wide_ground = |width_m: f64| {
+        let level = surroundings.wide_parts(width_m, DVec3::Y).into_iter();
+        let level = level.map(|part| Weighed { bounds: bounds(part.corners), area_m2: part.area_m2 });
+        let (low, high) = core_bounds(level.collect(), Strays::Lost)?;
         Some((low - eye, high - eye))
     };
-    let (fog, other_fog) = snapshot.medium.layers_and_rest(&things);
+    let (fog, other_fog) = snapshot.medium.layers_and_rest(&wide_ground);
     let (up, scale_m) = fog.banks().iter().find_map(|bank| bank.layer())?;
     let is_slab = !snapshot.medium.is_unbounded();
     if is_slab && !is_resolved(surroundings, (scale_m, fog.most_extinction_per_m())) {
