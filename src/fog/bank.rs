@@ -48,6 +48,11 @@ pub struct FogBank {
     pub sigma_s: Rgb,
     /// Henyey-Greenstein g.
     pub g: f64,
+    /// Density where keys make it densest, relative to its own. What this decides does not change while keys
+    /// change the fog.
+    pub densest: f64,
+    /// Whether no key moves it.
+    pub stays: bool,
 }
 
 impl FogBank {
@@ -56,7 +61,8 @@ impl FogBank {
         let cube_from_relative = relative_from_cube.inverse();
         let useful = cube_from_relative.is_finite() && sigma_t.max_element() > 0.0;
         let sigma_s = sigma_t * albedo;
-        useful.then_some(Self { cube_from_relative, density: Density::Even, sigma_t, sigma_s, g })
+        let density = Density::Even;
+        useful.then_some(Self { cube_from_relative, density, sigma_t, sigma_s, g, densest: 1.0, stays: true })
     }
 
     /// Unbounded fog; `None` if it has no effect.
@@ -64,7 +70,8 @@ impl FogBank {
         let cube_from_relative = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
         let sigma_s = sigma_t * albedo;
         let density = Density::Thinning(falloff);
-        (sigma_t.max_element() > 0.0).then_some(Self { cube_from_relative, density, sigma_t, sigma_s, g })
+        let is_fog = sigma_t.max_element() > 0.0;
+        is_fog.then_some(Self { cube_from_relative, density, sigma_t, sigma_s, g, densest: 1.0, stays: true })
     }
 
     /// Fog that also thins out with height. The falloff's base is a plane `y` of the box's cube.
@@ -133,6 +140,11 @@ impl FogBank {
             let reach = DVec3::new(reach(0), reach(1), reach(2));
             (relative_from_cube.translation - reach, relative_from_cube.translation + reach)
         })
+    }
+
+    /// Maximum extinction over all time, in the channel where it is largest, 1/m.
+    pub fn most_ever_per_m(&self) -> f64 {
+        self.densest * self.sigma_t.max_element()
     }
 
     /// Whether its density is uniform.

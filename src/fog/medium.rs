@@ -59,6 +59,11 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()
     }
 
+    /// The same over all time, however keys change densities.
+    pub fn most_ever_per_m(&self) -> f64 {
+        self.banks.iter().map(FogBank::most_ever_per_m).sum()
+    }
+
     /// Bounds of all bounded banks, in relative space.
     pub fn all_bounds(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
         let banks = self.banks.iter().filter_map(FogBank::bounds);

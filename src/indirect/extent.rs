@@ -136,7 +136,7 @@ pub(super) fn levels(
 fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf_m: f64) -> Option<Bounds> {
     let all = [fog, leaves].into_iter().flatten().reduce(union)?;
     let less = [lamps, leaves].into_iter().flatten().reduce(union);
-    let density_per_m = snapshot.medium.most_extinction_per_m();
+    let density_per_m = snapshot.medium.most_ever_per_m();
     let leaf_cell_m = LEAVES_PER_CELL * leaf_m;
     let is_dense = leaf_cell_m * density_per_m > LEAF_CELL_DEPTH;
     if let Some(lamps) = lamps.filter(|lamps| is_dense && 2.0 * fine_m(*lamps) < leaf_cell_m) {

@@ -106,7 +106,7 @@ fn is_flat(grid: &Grid, snapshot: &Snapshot) -> bool {
     snapshot.medium.banks().iter().filter(|bank| scatters_ahead(bank)).any(|bank| {
         let within = |(least, most): (DVec3, DVec3)| (low.max(least + eye), high.min(most + eye));
         let (low, high) = bank.bounds().map_or((low, high), within);
-        let depths = (high - low) * bank.sigma_t.max_element();
+        let depths = (high - low) * bank.most_ever_per_m();
         depths.min_element() > 0.0 && depths.max_element() > DEEP && depths.min_element() < DEEP
     })
 }

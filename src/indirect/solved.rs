@@ -85,7 +85,7 @@ fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces
     let (fog, other_fog) = snapshot.medium.layers_and_rest(&wide_ground);
     let (up, scale_m) = fog.banks().iter().find_map(|bank| bank.layer())?;
     let is_slab = !snapshot.medium.is_unbounded();
-    if is_slab && !is_resolved(surroundings, (scale_m, fog.most_extinction_per_m())) {
+    if is_slab && !is_resolved(surroundings, (scale_m, fog.most_ever_per_m())) {
         return None;
     }
     let ground = match Beneath::of(surroundings, up, scale_m) {

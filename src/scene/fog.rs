@@ -45,6 +45,16 @@ pub enum FogShape {
     Mist(Box<Mist>),
 }
 
+impl Fog {
+    /// Extinction where keys make it largest, relative to that at a time, each in the channel where it is
+    /// largest.
+    pub fn densest(&self, time_s: f64) -> f64 {
+        let now = self.density_per_m.at(time_s).max_element();
+        let most = self.density_per_m.hull().into_iter().map(Rgb::max_element).fold(now, f64::max);
+        if now > 0.0 { most / now } else { 1.0 }
+    }
+}
+
 impl FogShape {
     /// Number of volumes as which it counts in the limit.
     pub fn most_banks(&self) -> usize {

@@ -216,6 +216,11 @@ impl Scene {
         self.with_ancestors(node).all(|node| node.visible.at(time_s))
     }
 
+    /// Whether no key moves a node.
+    pub fn stays(&self, node: NodeIndex) -> bool {
+        self.with_ancestors(node).all(|node| node.motion.is_still())
+    }
+
     /// A node, its parent, and so on.
     fn with_ancestors(&self, node: NodeIndex) -> impl Iterator<Item = &Node> {
         let of = |node: NodeIndex| &self.nodes[node];

@@ -112,9 +112,13 @@ impl<'scene> Moment<'scene, '_> {
     pub(super) fn medium(&self) -> Medium {
         let (mut banks, mut emitters) = (Vec::new(), Vec::new());
         for fog in self.scene.fogs.iter().filter(|fog| self.placements[fog.node].visible) {
+            let first = banks.len();
             match &fog.shape {
                 FogShape::Voxels(grids) => self.add_grids(fog, grids, &mut banks, &mut emitters),
                 _ => banks.extend(self.fog_bank(fog)),
+            }
+            for bank in &mut banks[first..] {
+                (bank.densest, bank.stays) = (fog.densest(self.time_s), self.scene.stays(fog.node));
             }
         }
         Medium::new(banks).with_emitters(emitters)
