@@ -82,7 +82,7 @@ pub(super) fn levels(
     let fog = core_bounds(fogs.clone(), Strays::Sparse);
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
     let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
-    let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
+    let leaf_m = leaf_width_m(surroundings, leaves, widest);
     let lamps = fog.and_then(|fog| about_lamps(snapshot, fog, emissive));
     let lit = |depth| layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, (emissive, depth)));
     let lamps_alone = || lit(LAMP_DEPTH).into_iter().reduce(union);
@@ -146,6 +146,15 @@ fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf
     let is_finer = |less: &Bounds| lamps.is_some() && 2.0 * fine_m(*less) < fine_m(all);
     let bounds = less.filter(is_finer).filter(|_| is_coarse).unwrap_or(all);
     (leaf_m == 0.0 || fine_m(bounds) < COARSEST * leaf_cell_m).then_some(bounds)
+}
+
+/// Width of leaves in their bounds. What a grid about these has as a wall is none, if others are.
+fn leaf_width_m(surroundings: &Surroundings, leaves: Option<Bounds>, widest: f64) -> f64 {
+    let widest_leaf = leaves.map_or(widest, |leaves| widest.min(WALL_CELLS * fine_m(leaves)));
+    match surroundings.leaf_width_m(widest_leaf, FEW_LEAVES) {
+        0.0 => surroundings.leaf_width_m(widest, FEW_LEAVES),
+        leaf_m => leaf_m,
+    }
 }
 
 /// Cell size that leaves ask for.
