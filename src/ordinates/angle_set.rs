@@ -12,7 +12,8 @@ use super::high_degrees::{HIGH, HIGH_ODD, high_basis};
 use super::moments::Moments;
 use super::planes::{Layout, Planes};
 use super::quadrature::{Ordinate, Quadrature};
-use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, Cells, StepRows};
+use super::slopes::{are_dense, slopes};
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, AddSlopes, Cells, StepRows};
 use super::upwind_stencil::UpwindStencil;
 use super::walls::{CutNode, Walls};
 use super::wanted::Wanted;
@@ -61,6 +62,9 @@ pub(crate) struct AngleSet<'a> {
     /// Path through each node's cell, relative to that through a whole cell. A node has the mean over a whole
     /// cell of the matter in its room, which is denser along planes.
     stretch: Arc<[f32]>,
+    /// Whether some cells are so dense that their sources have slopes; and these, by axis of the world.
+    is_dense: bool,
+    slopes: Option<[Vec<f32>; 3]>,
     pairs: Vec<Pair>,
     /// By node, while the set is swept.
     own: Workspace,
@@ -117,6 +121,7 @@ impl<'a> AngleSet<'a> {
             stretch[*node] = 1.0 / (row * column);
         }
         let stretch: Arc<[f32]> = stretch.into();
+        let cell_m = grid.cell_m as f32;
         [0, 1, 2].map(|channel| Self {
             axis,
             channel,
@@ -133,6 +138,8 @@ impl<'a> AngleSet<'a> {
             isotropic_extinction: layout.of_grid(&cross_sections.extinction.isotropic[channel]),
             cut: Arc::clone(&cut),
             stretch: Arc::clone(&stretch),
+            is_dense: are_dense(&cross_sections.extinction.isotropic[channel], cell_m),
+            slopes: None,
             pairs: Vec::new(),
             own: Workspace::default(),
             before: rim.clone(),
@@ -158,6 +165,11 @@ impl<'a> AngleSet<'a> {
         self.high = room(wanted.high, HIGH);
         self.towards_faces.clear(wanted);
         self.radiances.clear();
+        self.slopes = self.is_dense.then(|| {
+            let of_fog = (sources.volume.channel(self.channel, 0), &*self.isotropic_extinction);
+            let cut = self.cut.iter().flatten().map(|cut| cut.node);
+            slopes(&self.planes, of_fog, self.cell_m as f32, cut)
+        });
         for number in 0..self.pairs.len() {
             if cancelled() {
                 break;
@@ -169,6 +181,7 @@ impl<'a> AngleSet<'a> {
                 self.radiances.extend(self.pairs[number].numbers.into_iter().zip(found));
             }
         }
+        self.slopes = None;
         take(&mut self.own)
     }
 
@@ -258,6 +271,20 @@ impl<'a> AngleSet<'a> {
                 oriented_extinction: &self.own.oriented_extinction,
                 way_m,
                 stretch: &self.stretch,
+                added: [along, against],
+                added_within: [within_along, within_against],
+            });
+        }
+        if let Some([x, y, z]) = &self.slopes {
+            let [along, against] = &mut self.own.added;
+            let [within_along, within_against] = &mut self.own.added_within;
+            vectorized(AddSlopes {
+                slopes: [x, y, z],
+                along_axes: (basis(direction)[0] * direction).as_vec3().to_array(),
+                isotropic_extinction: &self.isotropic_extinction,
+                oriented_extinction: &self.own.oriented_extinction,
+                way_m,
+                mean: &self.own.mean,
                 added: [along, against],
                 added_within: [within_along, within_against],
             });

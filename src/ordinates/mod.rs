@@ -29,6 +29,7 @@ mod plane_parallel;
 mod planes;
 pub(crate) mod quadrature;
 pub(crate) mod sky;
+pub(crate) mod slopes;
 pub(crate) mod source_iteration;
 pub(crate) mod surface_optics;
 pub(crate) mod sweep;

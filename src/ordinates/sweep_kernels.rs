@@ -94,6 +94,46 @@ impl Vectorized for AddBeam<'_> {
     }
 }
 
+/// Adds the slopes of dense cells' sources to those of cells.
+pub(crate) struct AddSlopes<'a> {
+    /// Slopes along the axes of the world, and the ordinate's components times its isotropic harmonic.
+    pub(crate) slopes: [&'a [f32]; 3],
+    pub(crate) along_axes: [f32; 3],
+    pub(crate) isotropic_extinction: &'a [f32],
+    pub(crate) oriented_extinction: &'a [f32],
+    /// As in [`Cells`].
+    pub(crate) way_m: f32,
+    pub(crate) mean: &'a [f32],
+    pub(crate) added: [&'a mut [f32]; 2],
+    pub(crate) added_within: [&'a mut [f32]; 2],
+}
+
+impl Vectorized for AddSlopes<'_> {
+    #[inline(always)]
+    fn run(self) {
+        /// Minimum optical depth: cells with slopes have more.
+        const LEAST: f32 = 0.125;
+        let count = self.isotropic_extinction.len();
+        let [x, y, z] = self.slopes.map(|values| &values[..count]);
+        let [along_x, along_y, along_z] = self.along_axes;
+        let (isotropic, oriented) = (&self.isotropic_extinction[..count], &self.oriented_extinction[..count]);
+        let mean = &self.mean[..count];
+        let [along, against] = self.added.map(|values| &mut values[..count]);
+        let [within_along, within_against] = self.added_within.map(|values| &mut values[..count]);
+        for node in 0..count {
+            let slope = along_x * x[node] + along_y * y[node] + along_z * z[node];
+            let depth = (self.way_m * (isotropic[node] + oriented[node])).max(LEAST);
+            // Integrals of a source that is 0 in the middle of the way.
+            let gain = self.way_m * self.way_m * ((1.0 - mean[node]) / depth - 0.5 * mean[node]);
+            let gain_within = -gain / depth;
+            along[node] += gain * slope;
+            against[node] -= gain * slope;
+            within_along[node] += gain_within * slope;
+            within_against[node] -= gain_within * slope;
+        }
+    }
+}
+
 /// Rows of a plane: each node's incoming radiance is a weighted mean over the four cells before it.
 pub(crate) struct StepRows<'a> {
     pub(crate) shares: [f32; 4],
