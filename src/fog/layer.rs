@@ -26,26 +26,31 @@ impl FogBank {
         }
     }
 
+    /// Bounds of even fog in a box along the axes, in relative space.
+    pub fn level_box(&self) -> Option<(DVec3, DVec3)> {
+        let axes = self.cube_from_relative.matrix3;
+        let along = DVec3::new(axes.x_axis.x, axes.y_axis.y, axes.z_axis.z);
+        self.bounds().filter(|_| self.is_even() && axes == DMat3::from_diagonal(along))
+    }
+
     /// A level slab of even fog without its sides, if these are far and stay there, and the ground ends with
     /// them and begins with the fog. `ground` has the bounds of what faces up and is so wide, in relative
     /// space.
     pub(super) fn without_sides(&self, ground: &dyn Fn(f64) -> Option<(DVec3, DVec3)>) -> Option<Self> {
-        let (low, high) = self.bounds().filter(|_| self.is_even() && self.stays)?;
+        let (low, high) = self.level_box().filter(|_| self.stays)?;
         let half = 0.5 * (high - low);
-        let DAffine3 { matrix3, translation } = self.cube_from_relative;
-        let along = DVec3::new(matrix3.x_axis.x, matrix3.y_axis.y, matrix3.z_axis.z);
-        let is_level = matrix3 == DMat3::from_diagonal(along);
         let is_flat = half.x.min(half.z) > FAR * 2.0 * half.y;
         // What drifts past its sides is not ground.
-        let ground = if is_level && is_flat { ground(half.x.min(half.z))? } else { return None };
+        let ground = if is_flat { ground(half.x.min(half.z))? } else { return None };
         if low.y > ground.0.y + WITHIN * half.y {
             return None;
         }
         let gaps = [ground.0 - low, high - ground.1];
         let is_near = |gap: DVec3| gap.abs().cmple(BESIDE * half);
-        let up = DVec3::Y;
+        let DAffine3 { matrix3, translation } = self.cube_from_relative;
+        let along = DVec3::Y * matrix3.y_axis.y;
         let cube_from_relative =
-            DAffine3 { matrix3: DMat3::from_diagonal(along * up), translation: translation * up };
+            DAffine3 { matrix3: DMat3::from_diagonal(along), translation: translation * DVec3::Y };
         let end_alike = gaps.into_iter().map(is_near).all(|sides| sides.test(0) && sides.test(2));
         end_alike.then(|| Self { cube_from_relative, ..self.clone() })
     }

@@ -4,6 +4,7 @@
 //! suns is not part of it.
 
 use super::contents::{Contents, Context};
+use super::fog_edges::FogEdges;
 use super::gathered::{Gathered, with_peaks};
 use super::layer_detail::LayerDetail;
 use super::layers::Layers;
@@ -66,6 +67,8 @@ pub(super) struct Level {
     self_interaction: SelfInteraction,
     /// Vertical detail within cells, where layers lie around the grid.
     detail: Option<LayerDetail>,
+    /// Edges of dense fog, where no layers lie around the grid.
+    edges: Option<FogEdges>,
     on_leaves: LeafPower,
     /// Whether its orders hardly grow darker, so that the series was cut short.
     pub(super) is_endless: bool,
@@ -163,6 +166,7 @@ impl Level {
             extinction,
             self_interaction,
             detail: layers.and_then(|layers| LayerDetail::new(&grid, layers)),
+            edges: if layers.is_none() { FogEdges::of(&grid, snapshot) } else { None },
             on_leaves: first.on_leaves,
             grid,
             is_endless: solution.is_endless,
@@ -264,7 +268,8 @@ impl Level {
         towards: &Towards,
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
-        let corners = self.corners_seen_from(world);
+        let place = self.edges.as_ref().map_or(world, |edges| edges.place(&self.grid, world));
+        let corners = self.walls.occluders.corners(&self.grid, place, world);
         let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light.low).mean(&corners);
         if let Some(emissive) = &self.of_emission {
             let added = emissive.low.mean(&corners);

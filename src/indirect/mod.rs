@@ -13,6 +13,7 @@ mod contents;
 mod cut_patches;
 mod extent;
 mod field;
+mod fog_edges;
 mod gathered;
 mod ground;
 mod highlights;
