@@ -60,5 +60,14 @@ def moves(thing: bpy.types.Object) -> bool:
 
 
 def changes(owner: bpy.types.ID) -> bool:
-    """Whether any property of a material, light or world is keyed or driven."""
-    return any(True for one in (owner, *trees_of(getattr(owner, "node_tree", None))) for _ in curves_of(one))
+    """Whether any property of a material, light or world is keyed or driven, or an object of its nodes may move."""
+    return any(True for one in (owner, *trees_of(getattr(owner, "node_tree", None))) for _ in curves_of(one)) or any(map(moves, objects_of(owner)))
+
+
+def objects_of(owner: bpy.types.ID) -> Iterator[bpy.types.Object]:
+    """Objects in whose space a material, light or world has a texture."""
+    for tree in trees_of(getattr(owner, "node_tree", None)):
+        for node in tree.nodes:
+            thing = getattr(node, "object", None)
+            if isinstance(thing, bpy.types.Object):
+                yield thing

@@ -76,10 +76,8 @@ def is_baked(scene):
 
 
 def changes(scene):
-    """Whether it is keyed or driven, or looked up from an object that moves."""
-    nodes = dependence.nodes_of(scene.world) if scene.world else ()
-    eyes = [node.object for node in nodes if node.type == "TEX_COORD" and node.object]
-    return keys.changes(scene.world) or any(map(keys.moves, eyes))
+    """Whether it is keyed or driven, or an object of its nodes may move."""
+    return keys.changes(scene.world)
 
 
 def depends_on_rays(scene):

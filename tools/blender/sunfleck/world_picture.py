@@ -12,6 +12,7 @@ from pathlib import Path
 import bpy
 import mathutils
 
+from . import keys
 from .materials import bake, colours, fingerprint
 from .materials.images import texels_of
 from .evaluated.geometry import digest
@@ -36,9 +37,9 @@ def key_of(world, view=View()):
 
 
 def beside(world, path):
-    """Name of the file; renderings of the same nodes are cached."""
+    """Name of the file; renderings of the same nodes are cached. Of keyed ones no key tells what Cycles has at the frame."""
     kept = bake.folder() / f"{key_of(world)}.exr"
-    if not kept.is_file():
+    if keys.changes(world) or not kept.is_file():
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
             made = Path(folder) / "world.exr"
             render(world, made)

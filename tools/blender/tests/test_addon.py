@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 import scenes
 import sunfleck
-from sunfleck import check, command, export, extras, frames, render
+from sunfleck import check, command, export, extras, frames, keys, render, world_picture
 from sunfleck.evaluated import simulations
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -468,6 +468,24 @@ class Export(Case):
         _, ratio = self.beside_cycles()
         print(f"a baked world: mean ratio {ratio:.5f}")
         self.assertAlmostEqual(ratio, 1.0, delta=0.005)
+
+    def test_a_world_follows_the_object_that_turns_it(self):
+        self.environment(self.gradients())
+        world = self.scene.world
+        turning = scenes.add(self.scene, "turning", None)
+        nodes = world.node_tree.nodes
+        mapping, coordinates = (next(node for node in nodes if node.type == kind) for kind in ("MAPPING", "TEX_COORD"))
+        coordinates.object = turning
+        world.node_tree.links.new(coordinates.outputs["Object"], mapping.inputs["Vector"])
+        self.scene.view_layers[0].update()
+        before = world_picture.key_of(world)
+        self.assertEqual(world_picture.key_of(world), before)
+        turning.rotation_euler.z = 1.0
+        self.scene.view_layers[0].update()
+        self.assertNotEqual(world_picture.key_of(world), before)
+        self.assertFalse(keys.changes(world))
+        turning.keyframe_insert("rotation_euler", frame=1)
+        self.assertTrue(keys.changes(world))
 
     def test_a_sky_lights_what_is_chosen(self):
         scenes.camera(self.scene)

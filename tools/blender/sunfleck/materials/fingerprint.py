@@ -49,7 +49,8 @@ def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
         stops = [(stop.position, *stop.color) for stop in value.elements]
         return stops, value.interpolation, value.color_mode, value.hue_interpolation
     if isinstance(value, bpy.types.CurveMapping):
-        return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
+        points = [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
+        return points, value.extend, value.tone, *value.black_level, *value.white_level
     if isinstance(value, bpy.types.TexMapping):
         return [*value.translation, *value.rotation, *value.scale, value.mapping_x, value.mapping_y, value.mapping_z, value.vector_type]
     if isinstance(value, bpy.types.Object):
