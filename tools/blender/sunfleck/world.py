@@ -117,8 +117,10 @@ def of_one(scene, path):
         if path is None or not is_baked(scene):
             return None
         with world_sun.without_disc(scene.world) if has_sun(scene) else nullcontext(scene.world) as shown:
-            image = quote(world_picture.beside(shown, Path(path)))
-        return {"image": image, "strength": 1.0, "rotation": 0.0}
+            name = world_picture.beside(shown, Path(path))
+        if world_picture.is_black_file(Path(path).with_name(name)):
+            return {"color": [0.0] * 3, "strength": 1.0}
+        return {"image": quote(name), "strength": 1.0, "rotation": 0.0}
     shader = backgrounds(scene)[0]
     color, strength = shader.inputs["Color"], shader.inputs["Strength"].default_value
     if not color.is_linked:
@@ -126,6 +128,8 @@ def of_one(scene, path):
     if path is None:
         return None
     texture = environment(shader)
+    if world_picture.is_black(texture.image):
+        return {"color": [0.0] * 3, "strength": strength}
     image = quote(written(texture.image, Path(path)))
     return {"image": image, "strength": strength, "rotation": QUARTER_TURN + turn(texture)}
 

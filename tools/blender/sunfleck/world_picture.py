@@ -18,6 +18,7 @@ from .materials.images import texels_of
 from .evaluated.geometry import digest
 
 SAMPLES = 16
+MOST_TEXELS = 2048 * 1024
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,19 @@ def pixels(world, view):
         found = texels_of(image)[..., :3]
         bpy.data.images.remove(image)
     return found
+
+
+def is_black(image):
+    """Whether a picture is black all over; only those are looked at that are soon read."""
+    return image.size[0] * image.size[1] <= MOST_TEXELS and not texels_of(image)[..., :3].any()
+
+
+def is_black_file(path):
+    image = bpy.data.images.load(str(path))
+    try:
+        return is_black(image)
+    finally:
+        bpy.data.images.remove(image)
 
 
 def render(world, target, view=View()):

@@ -469,6 +469,14 @@ class Export(Case):
         print(f"a baked world: mean ratio {ratio:.5f}")
         self.assertAlmostEqual(ratio, 1.0, delta=0.005)
 
+    def test_a_black_picture_as_the_sky_is_a_black_sky(self):
+        self.environment(bpy.data.images.new("black", 8, 4, float_buffer=True))
+        self.scene.sunfleck_settings.use_world = True
+        path = self.folder / "scene.glb"
+        sky = extras.of_scene(self.scene, path)["sunfleck_env"]
+        # Without a sky the film would be transparent.
+        self.assertEqual((sky["color"], sky["lights"]), ([extras.NEXT_TO_BLACK] * 3, "nothing"))
+
     def test_a_world_follows_the_object_that_turns_it(self):
         self.environment(self.gradients())
         world = self.scene.world
