@@ -12,6 +12,7 @@ from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.gltf.container import Container
 from sunfleck_tools.gltf.lights import LUMENS_PER_WATT
 from sunfleck_tools.gltf.scene import Gltf
+from sunfleck_tools.srgb import linear_from_srgb
 from sunfleck_tools.usd import import_usd
 
 from .test_usd_export import needs_program
@@ -349,6 +350,23 @@ class Domes(LookCase):
         self.assertAlmostEqual(abs(sky["rotation"]), math.pi, 6)
         self.assertEqual(sky["strength"], [2.0] * 3)
         self.assertEqual(self.imported.lost, [])
+
+    def test_a_tilted_dome_has_the_mean_of_its_picture(self):
+        """Blender writes a plain sky as a picture of one texel, in a stage whose up is z."""
+        for colors, is_lost in (([(51, 128, 255)], False), ([(255, 255, 255), (0, 0, 0)], True)):
+            stage = self.stage()
+            UsdGeom.SetStageUpAxis(stage, "Z")
+            quad(stage, "/a")
+            picture = Image.new("RGB", (1, len(colors)))
+            picture.putdata(colors)
+            picture.save(self.folder / "sky.png")
+            dome = UsdLux.DomeLight.Define(stage, "/dome")
+            dome.CreateTextureFileAttr("./sky.png")
+            dome.CreateIntensityAttr(2.0)
+            sky = self.load(stage).extras.raw["sunfleck_env"]
+            mean = np.mean([linear_from_srgb(np.array(color) / 255) for color in colors], axis=0)
+            np.testing.assert_allclose(sky["color"], 2.0 * mean, rtol=1e-5)
+            self.assertEqual("usd-dome-picture" in self.said(), is_lost)
 
     def test_one_sky_is_all_there_is(self):
         stage = self.stage()

@@ -15,7 +15,7 @@ from ...errors import SceneError
 from ...exr.codecs import why_unread
 from ...exr.write import write_colors
 from ...gltf.container import LINEAR_PICTURES
-from .lamp_inputs import LampInputs
+from .lamp_inputs import MEAN_SIZE, LampInputs
 from .losses import Losses
 from .source import Source
 from .texels import PictureError, open_picture
@@ -78,9 +78,11 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     axes = _axes(prim, source, ours_from_stage)
     form = prim.GetAttribute("inputs:texture:format").Get(source.first)
     if form not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong) or not axes[1, 1] > math.cos(UPRIGHT):
-        said = "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried: its colour is"
-        lost.add("usd-dome-picture", prim, said)
-        return even
+        mean, is_even = _mean(asset)
+        if not is_even:
+            said = "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried: its mean is"
+            lost.add("usd-dome-picture", prim, said)
+        return {**even, "color": (radiance * mean).tolist()}
     try:
         image = picture_uri(asset, str(prim.GetPath()))
     except SceneError as error:
@@ -90,6 +92,19 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     # The picture's centre is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])
     return {"image": image, "strength": radiance.tolist(), "rotation": rotation, "lights": "surfaces_and_fog"}
+
+
+def _mean(asset: Sdf.AssetPath) -> tuple[np.ndarray, bool]:
+    """Mean colour over the sphere, and whether the picture has no other, as Blender writes plain skies; white if it
+    cannot be read."""
+    try:
+        picture = open_picture(asset.resolvedPath)
+        size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
+        texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
+    except PictureError:
+        return np.ones(3), False
+    rows = np.sin(math.pi * (np.arange(size[1]) + 0.5) / size[1])
+    return np.average(texels.mean(axis=1), axis=0, weights=rows), bool(np.ptp(texels, axis=(0, 1)).max() == 0.0)
 
 
 def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.ndarray:
