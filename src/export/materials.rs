@@ -23,6 +23,18 @@ impl Writer<'_> {
     /// All materials by the scene's indices, and all textures.
     pub(super) fn materials(&mut self) -> Result<(Vec<Value>, Images), Diagnostic> {
         let scene = self.scene;
+        let mut tinted = scene.materials.iter().filter(|material| is_tinted_by_another(material));
+        if let Some(first) = tinted.next() {
+            let others = match tinted.count() {
+                0 => String::new(),
+                count => format!(" (and {count} more materials)"),
+            };
+            let found = format!(
+                "light through `{}`{others} takes the colours of the base colour's texture",
+                first.name
+            );
+            self.lost(Loss::ExportMaterial, found);
+        }
         let numbered = scene.materials.iter().enumerate();
         let materials = numbered.map(|(index, material)| self.material(index, material)).collect();
         let mut images = Images::default();
@@ -130,21 +142,17 @@ impl Writer<'_> {
         }
         if material.transmission != Rgb::ZERO {
             ours["transmission"] = json!(material.transmission.to_array());
-            let textured = material.transmission_texture.is_some();
-            ours["transmission_textured"] = json!(textured);
-            let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
-            if textured && material.transmission_texture != of_base {
-                self.lost(
-                    Loss::ExportMaterial,
-                    format!(
-                        "light through `{}` takes the colours of its base colour's texture",
-                        material.name
-                    ),
-                );
-            }
+            ours["transmission_textured"] = json!(material.transmission_texture.is_some());
         }
         ours
     }
+}
+
+/// Whether light through a material takes the colours of a texture that is not its base colour's.
+fn is_tinted_by_another(material: &Material) -> bool {
+    let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+    let own = material.transmission_texture.is_some() && material.transmission_texture != of_base;
+    own && material.transmission != Rgb::ZERO
 }
 
 /// Metallic-roughness part of a material.
