@@ -592,6 +592,7 @@ class Render(Case):
         world.use_nodes = True
         texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
         texture.image = bpy.data.images.new("sky", 16, 8, float_buffer=True)
+        texture.image.pixels = [0.5, 0.25, 1.0, 1.0] * 128
         world.node_tree.links.new(texture.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
         self.scene.sunfleck_settings.use_world = True
         folder = self.folder / "frames"
