@@ -4,86 +4,140 @@
 //! Miller 1984, section 4-6).
 
 use super::lit_square::Square;
-use super::wall_light::WallLight;
+use super::wall_light::{LitWalls, Target, WallLight};
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
 use crate::light::{Emission, FrozenLight, LampShape};
 use crate::math::{Ray, kronecker};
 use crate::ordinates::first_collision_source::BrightWalls;
-use crate::ordinates::walls::Patch;
-use crate::snapshot::Luminaire;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::FRAC_1_PI;
 
 /// Radiance relative to the mean of all patches from which a patch is bright. Only the excess goes by rays,
 /// so that nothing jumps where a patch becomes bright.
 const BRIGHT: f64 = 16.0;
+/// Share of a patch's light that other patches get, below which less of it goes by rays.
+const FACING: f64 = 0.1;
 /// Minimum component of a bright patch's normal along an axis of the grid. An oblique wall has more or fewer
 /// patches than areas of a cell, so its light goes along ordinates.
 const ALONG_AXIS: f64 = 0.99;
 /// Distance in cells at which a square lies before its own surface.
 const BEFORE: f64 = 0.1;
+/// Distance in cells up to which all points of a bright patch light a patch; farther ones are sampled.
+const NEAR: f64 = 2.0;
 
-/// A square that sends light.
-struct Sending {
-    square: Square,
-    normal: DVec3,
+/// A bright patch.
+struct Sender {
+    number: usize,
+    /// Radiance that goes by rays.
     radiance: Rgb,
+    /// Centre in relative space.
+    middle: DVec3,
+    normal: DVec3,
+    /// Luminance of its radiance times its area.
+    power: f64,
+    /// Points in the middle of its squares, each with the power of those up to it.
+    points: Vec<(FrozenLight, f64)>,
+}
+
+/// Middle of a patch in relative space, and its normal.
+type Place = (DVec3, DVec3);
+
+impl Sender {
+    /// Estimate of its irradiance at a place, with nothing between.
+    fn weight(&self, (middle, normal): Place) -> f64 {
+        let way = self.middle - middle;
+        let cosines = normal.dot(way).max(0.0) * self.normal.dot(-way).max(0.0);
+        if cosines > 0.0 { self.power * cosines / way.length_squared().powi(2) } else { 0.0 }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.radiance *= factor;
+        self.power *= factor;
+        for (point, up_to) in &mut self.points {
+            *up_to *= factor;
+            if let FrozenLight::Point { intensity, .. } = point {
+                *intensity *= factor;
+            }
+        }
+    }
 }
 
 impl WallLight<'_> {
-    /// Light of the bright patches, by the radiances that all send and the irradiances that they get. `None`
-    /// if none is bright.
-    pub(super) fn bright(&self, sent: &[Rgb], irradiances: &[Rgb]) -> Option<BrightWalls> {
-        let all: f64 = sent.iter().copied().map(luminance).sum();
-        let least = BRIGHT * all / sent.len() as f64;
-        let of_bright = |(sent, patch): (&Rgb, &Patch)| match luminance(*sent) {
-            all if all > least && patch.normal.abs().max_element() > ALONG_AXIS => {
-                *sent * (1.0 - least / all)
-            }
-            _ => Rgb::ZERO,
+    /// Light of the bright patches, by the radiances that all send and the light of lamps on them. `None` if
+    /// none is bright.
+    pub(super) fn bright(&self, sent: &[Rgb], lit: &LitWalls) -> Option<BrightWalls> {
+        let least = BRIGHT * sent.iter().copied().map(luminance).sum::<f64>() / sent.len() as f64;
+        let excess = |number: usize| {
+            let all = luminance(sent[number]);
+            let normal = self.walls.walls.patches[number].normal;
+            let is_bright = all > least && normal.abs().max_element() > ALONG_AXIS;
+            is_bright.then(|| (number, (1.0 - least / all) * sent[number]))
         };
-        let radiances: Vec<Rgb> = sent.iter().zip(&self.walls.walls.patches).map(of_bright).collect();
-        let numbers: Vec<usize> = (0..sent.len()).filter(|number| radiances[*number] != Rgb::ZERO).collect();
-        let of_patch = |&number: &usize| self.sending(number, radiances[number], irradiances[number]);
-        let squares: Vec<Sending> = numbers.par_iter().flat_map_iter(of_patch).collect();
-        let luminaire = luminaire(&squares, 1e-4 * self.grid.cell_m)?;
-        let light = WallLight { emissive: &[], ..*self };
-        let patches = self.walls.walls.patches.par_iter().zip(&self.walls.primitives);
-        let lit = patches.map(|(patch, &primitive)| {
-            let arriving = light.arriving(&luminaire, (patch, primitive), |_, _| ());
-            arriving.map_or(Rgb::ZERO, |arriving| arriving.irradiance)
-        });
-        Some(BrightWalls { radiances, irradiances: lit.collect() })
+        let bright: Vec<(usize, Rgb)> = (0..sent.len()).filter_map(excess).collect();
+        if bright.is_empty() {
+            return None;
+        }
+        let targets = || (0..sent.len()).into_par_iter().map(|number| self.open_target(number, lit));
+        let places: Vec<Place> = targets().map(|target| (target.middle, target.patch.normal)).collect();
+        let senders: Vec<Sender> =
+            bright.into_par_iter().filter_map(|sent| self.sender(sent, lit, &places)).collect();
+        let mut radiances = vec![Rgb::ZERO; sent.len()];
+        senders.iter().for_each(|sender| radiances[sender.number] = sender.radiance);
+        let irradiances = targets().map(|target| self.by_senders(&senders, &target)).collect();
+        (!senders.is_empty()).then_some(BrightWalls { radiances, irradiances })
     }
 
-    /// Squares of a patch, each with the radiance that its own irradiance asks for.
-    fn sending(&self, number: usize, radiance: Rgb, irradiance: Rgb) -> Vec<Sending> {
-        let (patch, primitive) = (&self.walls.walls.patches[number], self.walls.primitives[number]);
-        let mut squares: Vec<(Square, Rgb)> = Vec::new();
+    fn open_target(&self, number: usize, lit: &LitWalls) -> Target<'_> {
+        let mut target = self.target(number);
+        target.squares.retain(|(square, _)| lit.squares[number] >> square & 1 == 1);
+        target
+    }
+
+    /// A patch as a sender of a radiance, as far as other patches get its light. Each of its squares sends as
+    /// much as its own irradiance asks for. `None` if it lights no patch.
+    fn sender(&self, (number, radiance): (usize, Rgb), lit: &LitWalls, places: &[Place]) -> Option<Sender> {
+        let target = self.open_target(number, lit);
+        let (normal, all) = (target.patch.normal, luminance(lit.irradiances[number]));
+        // A patch that is lit from behind alone sends as much everywhere.
+        let share = |of_square: Rgb| if all > 0.0 { luminance(of_square) / all } else { 1.0 };
+        let (mut middle, mut power, mut points) = (DVec3::ZERO, 0.0, Vec::new());
+        for (square, of_square) in self.sending(&target) {
+            let position = square.middle + 1e-4 * self.grid.cell_m * normal;
+            let intensity = square.area_m2() * share(of_square) * radiance;
+            power += luminance(intensity);
+            middle += luminance(intensity) * position;
+            let emission = Emission::Flat { normal };
+            points
+                .push((FrozenLight::Point { position, intensity, emission, shape: LampShape::NONE }, power));
+        }
+        if power <= 0.0 {
+            return None;
+        }
+        let mut sender = Sender { number, radiance, middle: middle / power, normal, power, points };
+        let weights: f64 = places.iter().map(|&place| sender.weight(place)).sum();
+        let share = FRAC_1_PI * self.grid.cell_m.powi(2) * weights / power;
+        sender.scale((share / FACING).min(1.0));
+        (share > 0.0).then_some(sender)
+    }
+
+    /// Squares of a patch with the irradiance on each by lamps, suns and what glows.
+    fn sending(&self, target: &Target) -> Vec<(Square, Rgb)> {
+        let mut squares: Vec<(Square, Rgb)> =
+            target.squares.iter().map(|(_, square)| (*square, Rgb::ZERO)).collect();
         for light in self.lights.iter().chain(self.emissive) {
-            let mut place = 0;
-            self.arriving(light, (patch, primitive), |square, irradiance| {
-                match squares.get_mut(place) {
-                    Some((_, sum)) => *sum += irradiance,
-                    None => squares.push((*square, irradiance)),
-                }
-                place += 1;
+            let mut sums = squares.iter_mut();
+            self.lit(light, target, |irradiance| {
+                sums.next().into_iter().for_each(|(_, sum)| *sum += irradiance);
             });
         }
         // Planks of a wall share a cell, and some squares hang in the air beyond an edge.
-        if squares.iter().any(|(square, _)| self.is_before_own(square, patch.normal, primitive)) {
-            squares.retain(|(square, _)| self.is_before_own(square, patch.normal, primitive));
+        let is_own = |square: &Square| self.is_before_own(square, target.patch.normal, target.primitive);
+        if squares.iter().any(|(square, _)| is_own(square)) {
+            squares.retain(|(square, _)| is_own(square));
         }
-        let all = luminance(irradiance);
-        // A patch that is lit from behind alone sends as much everywhere.
-        let share = |of_square: Rgb| if all > 0.0 { luminance(of_square) / all } else { 1.0 };
-        let sending = |(square, of_square)| Sending {
-            square,
-            normal: patch.normal,
-            radiance: share(of_square) * radiance,
-        };
-        squares.into_iter().map(sending).collect()
+        squares
     }
 
     /// Whether a square of a wall lies close before the instance of a primitive.
@@ -93,29 +147,39 @@ impl WallLight<'_> {
         let hit = self.snapshot.tree.nearest_hit(&ray, 2.0 * off_m, None);
         hit.is_some_and(|hit| hit.primitive.instance == primitive.instance)
     }
-}
 
-/// Luminaire of points on squares, `off_m` before them, as many on each as its power asks for.
-fn luminaire(squares: &[Sending], off_m: f64) -> Option<Luminaire> {
-    const POINTS: usize = 256;
-    let mut all = 0.0;
-    let up_to: Vec<f64> = squares
-        .iter()
-        .map(|Sending { square, radiance, .. }| {
-            all += square.area_m2() * luminance(*radiance);
-            all
-        })
-        .collect();
-    let point = |number: usize| {
-        let power = all * (number as f64 + 0.5) / POINTS as f64;
-        let Sending { square, normal, radiance } = &squares[up_to.partition_point(|sum| *sum <= power)];
-        let [x, y] = [kronecker(0.25, number), kronecker(0.5, 7 * number)].map(|u| 2.0 * u - 1.0);
-        FrozenLight::Point {
-            position: square.middle + x * square.half[0] + y * square.half[1] + off_m * *normal,
-            intensity: all / luminance(*radiance) * *radiance,
-            emission: Emission::Flat { normal: *normal },
-            shape: LampShape::NONE,
+    /// Irradiance on a patch by bright ones: by all points of near ones, and on each of its squares by one
+    /// point of the others, picked by its estimated light, evenly over all squares.
+    fn by_senders(&self, senders: &[Sender], target: &Target) -> Rgb {
+        let place = (target.middle, target.patch.normal);
+        let near_m = NEAR * self.grid.cell_m;
+        let is_near = |sender: &Sender| sender.middle.distance(target.middle) < near_m;
+        let mut all = 0.0;
+        let up_to: Vec<f64> = senders
+            .iter()
+            .map(|sender| {
+                all += if is_near(sender) { 0.0 } else { sender.weight(place) };
+                all
+            })
+            .collect();
+        let near = || senders.iter().filter(|sender| is_near(sender)).flat_map(|sender| &sender.points);
+        let mut sum = Rgb::ZERO;
+        let shift = kronecker(0.5, target.node);
+        for (number, (_, square)) in target.squares.iter().enumerate() {
+            sum += near().map(|(point, _)| self.on_square(square, point, target).1).sum::<Rgb>();
+            let u = (number as f64 + shift) / target.squares.len() as f64;
+            let chosen = up_to.partition_point(|sum| *sum <= u * all);
+            let Some(sender) = senders.get(chosen) else { continue };
+            let before = chosen.checked_sub(1).map_or(0.0, |before| up_to[before]);
+            let share = (up_to[chosen] - before) / all;
+            let within = (u - before / all) / share * sender.power;
+            let chosen = sender.points.partition_point(|(_, sum)| *sum <= within);
+            let (point, _) = &sender.points[chosen.min(sender.points.len() - 1)];
+            if let FrozenLight::Point { intensity, .. } = point {
+                let share = share * luminance(*intensity) / sender.power;
+                sum += self.on_square(square, point, target).1 / share;
+            }
         }
-    };
-    if all > 0.0 { Luminaire::of_points((0..POINTS).map(point).collect()) } else { None }
+        sum / target.squares.len().max(1) as f64
+    }
 }

@@ -1,7 +1,7 @@
 //! Contents of one grid. In goes a snapshot, out come the medium, the walls, and the first-collision source
 //! of its lights. Invariant: each surface is either a wall or leaf area.
 
-use super::wall_light::{LitWalls, WallLight};
+use super::wall_light::WallLight;
 use super::walls::SnapshotWalls;
 use crate::accel::PrimitiveId;
 use crate::canopy::delta_scaled_fog::DeltaScaledFog;
@@ -95,10 +95,10 @@ impl<'a> Contents<'a> {
         let emissive = small_emissive.map_or(&[][..], Vec::as_slice);
         let lights = snapshot.lights.as_slice();
         let light = WallLight { snapshot, lights, emissive, grid, fog, walls, quadrature, cancelled };
-        let LitWalls { irradiances, glossy } = light.found();
+        let lit = light.found();
         let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
-        let mut sent = walls.walls.scattered(&irradiances);
-        let bright = walls.walls.are_at_angles().then(|| light.bright(&sent, &irradiances)).flatten();
+        let mut sent = walls.walls.reflected_and_through(&lit.irradiances, &lit.through);
+        let bright = light.bright(&sent, &lit);
         if let Some(bright) = &bright {
             sent.iter_mut().zip(&bright.radiances).for_each(|(sent, bright)| *sent -= *bright);
         }
@@ -114,8 +114,15 @@ impl<'a> Contents<'a> {
             emitted: emission.as_ref().is_some_and(|emission| emission.not_again.is_none()),
         };
         let not_again = (context.bounces != Bounces::UpTo(1)).then(|| not_again(own));
-        let source =
-            FirstCollisionSource { volume: sources, beams, walls: sent, glossy, not_again, emission, bright };
+        let source = FirstCollisionSource {
+            volume: sources,
+            beams,
+            walls: sent,
+            glossy: lit.glossy,
+            not_again,
+            emission,
+            bright,
+        };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
 

@@ -5,6 +5,7 @@ use super::cut_patches::cut_patches;
 use crate::accel::PrimitiveId;
 use crate::canopy::surface_optics::optics_at;
 use crate::canopy::surroundings::WallTriangle;
+use crate::color::Rgb;
 use crate::ordinates::grid::Grid;
 use crate::ordinates::occluders::{CLEAR, CellTriangle};
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
@@ -30,10 +31,11 @@ impl SnapshotWalls {
         for triangle in triangles {
             building.add(triangle);
         }
-        let Building { mut nodes, mut patches, mut primitives, means, about_cell, .. } = building;
+        let Building { mut nodes, mut patches, mut primitives, means, about_cell, half_seen, .. } = building;
         for (patch, mean) in patches.iter_mut().zip(means) {
             patch.optics = mean.mean();
         }
+        add_unseen((&mut patches, &mut primitives), &half_seen);
         cut_patches((grid, snapshot), &mut nodes, (&mut patches, &mut primitives));
         Self { walls: Walls::new(grid, nodes, patches, about_cell), primitives }
     }
@@ -63,6 +65,8 @@ struct Building<'a> {
     primitives: Vec<PrimitiveId>,
     means: Vec<MeanOptics>,
     patch_of: HashMap<PatchKey, u32>,
+    /// Patches with a triangle and a place of each where another wall hides the other side.
+    half_seen: Vec<(u32, PrimitiveId, DVec3)>,
     /// Lowest nodes of cells, with triangles near them.
     about_cell: Vec<(u32, CellTriangle)>,
 }
@@ -78,6 +82,7 @@ impl<'a> Building<'a> {
             primitives: Vec::new(),
             means: Vec::new(),
             patch_of: HashMap::new(),
+            half_seen: Vec::new(),
             about_cell: Vec::new(),
         }
     }
@@ -153,15 +158,19 @@ impl<'a> Building<'a> {
             let Some(at) = crossing(&triangle.corners, from, to) else { continue };
             let facing = if (to - from).dot(normal) < 0.0 { normal } else { -normal };
             let point = from + at * (to - from);
-            let here = self.see(wall.primitive, &Crossing { node, link, at, point, facing });
+            let seen = self.see(wall.primitive, &Crossing { node, link, at, point, facing });
             if !has_node {
                 continue;
             }
             let node = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
             let there = Crossing { node, link: LINKS - 1 - link, at: 1.0 - at, point, facing: -facing };
-            if let (Some(here), Some(there)) = (here, self.see(wall.primitive, &there)) {
-                self.patches[here as usize].behind.get_or_insert(there);
-                self.patches[there as usize].behind.get_or_insert(here);
+            match [seen, self.see(wall.primitive, &there)] {
+                [Some(here), Some(there)] => {
+                    self.patches[here as usize].behind.get_or_insert(there);
+                    self.patches[there as usize].behind.get_or_insert(here);
+                }
+                [Some(seen), None] | [None, Some(seen)] => self.half_seen.push((seen, wall.primitive, point)),
+                [None, None] => {}
             }
         }
     }
@@ -207,6 +216,28 @@ impl<'a> Building<'a> {
         });
         self.means[number as usize].add(1.0, &optics_at(self.snapshot, primitive, point, facing));
         number
+    }
+}
+
+/// Adds the other sides of walls that transmit, close before another wall. No node sees them, but light of
+/// lamps, and of what glows, falls on them.
+fn add_unseen(
+    (patches, primitives): (&mut Vec<Patch>, &mut Vec<PrimitiveId>),
+    half_seen: &[(u32, PrimitiveId, DVec3)],
+) {
+    for &(seen, primitive, position) in half_seen {
+        let Patch { normal, optics, behind, .. } = patches[seen as usize];
+        if behind.is_none() && optics.transmittance != Rgb::ZERO {
+            patches[seen as usize].behind = Some(patches.len() as u32);
+            patches.push(Patch {
+                position,
+                normal: -normal,
+                optics,
+                seen_by: Vec::new(),
+                behind: Some(seen),
+            });
+            primitives.push(primitive);
+        }
     }
 }
 

@@ -141,9 +141,14 @@ impl Walls {
     /// Radiance that each patch scatters of the irradiance on all patches: by reflection of its own, and by
     /// transmission of that behind it.
     pub(crate) fn scattered(&self, irradiances: &[Rgb]) -> Vec<Rgb> {
+        self.reflected_and_through(irradiances, irradiances)
+    }
+
+    /// As [`Self::scattered`], where less irradiance is reflected than passes through.
+    pub(crate) fn reflected_and_through(&self, irradiances: &[Rgb], through: &[Rgb]) -> Vec<Rgb> {
         let of_patch = |(patch, &irradiance): (&Patch, &Rgb)| {
             let through = patch.behind.map_or(Rgb::ZERO, |behind| {
-                self.patches[behind as usize].optics.transmittance * irradiances[behind as usize]
+                self.patches[behind as usize].optics.transmittance * through[behind as usize]
             });
             (patch.optics.reflectance * irradiance + through) / PI
         };

@@ -432,6 +432,48 @@ fn light_comes_through_walls_that_transmit() {
     assert!(worst < 2e-3, "{worst}");
 }
 
+/// A sheet 3 cm before a panel that glows hides it, and lets half of its light through: to a wall, by
+/// Lambert's cosines.
+#[test]
+fn light_comes_through_a_sheet_close_before_a_panel() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let wall = Material { base_color: Rgb::splat(0.5), ..Material::default() };
+    add_box(&mut scene, DVec3::new(-2.0, -2.0, -2.2), DVec3::new(2.0, 2.0, -2.0), wall);
+    let sheet = Material { base_color: Rgb::ZERO, transmission: Rgb::splat(0.5), ..Material::default() };
+    let panel = Material { base_color: Rgb::ZERO, emission: Rgb::splat(10.0), ..Material::default() };
+    for (half_m, z, surface) in [(0.7, 1.5, sheet), (0.4, 1.53, panel)] {
+        scene.materials.push(surface);
+        let material = scene.materials.len() - 1;
+        let corner = |x: f32, y: f32| Vec3::new(half_m * x, half_m * y, z);
+        scene.meshes.push(Mesh {
+            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+            triangles: [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec(),
+            ..Mesh::default()
+        });
+        add_instance(&mut scene);
+    }
+    let trees = MeshTrees::new(&scene);
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    let snapshot = exposure.middle();
+    let indirect = Indirect::new(&exposure, Bounces::UpTo(1), 1.0, &KeptLight::default(), &|| false)
+        .expect("walls scatter");
+    let (mut found, mut expected) = (0.0, 0.0);
+    for number in 0..256 {
+        let along = |index: usize| 0.1 + 0.8 * ((index % 16) as f64 + 0.5) / 16.0;
+        let ray = snapshot.view.ray(along(number), along(number / 16));
+        let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None).expect("a wall is before it");
+        found += indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0).x;
+        for place in 0..64 {
+            let on_sheet = |index: usize| 0.1 * ((index % 8) as f64 - 3.5);
+            let way = DVec3::new(on_sheet(place), on_sheet(place / 8), 1.5) - ray.at(hit.t);
+            let cos_by_m = way.z / way.length_squared();
+            expected += 0.5 / PI * 0.5 * 10.0 * cos_by_m * cos_by_m * 0.64 / 64.0;
+        }
+    }
+    println!("a wall lit through a sheet: {:.3}", found / expected);
+    assert!((found / expected - 1.0).abs() < 0.1, "{found} of {expected}");
+}
+
 /// Walls that glow and reflect .9 about white leaves, without fog: all is ten times as bright as walls glow.
 #[test]
 fn a_room_that_holds_leaves_alone_has_walls() {
