@@ -8,6 +8,7 @@ pub(crate) mod clumping;
 pub(crate) mod clumps;
 pub(crate) mod core_bounds;
 pub(crate) mod delta_scaled_fog;
+pub(crate) mod emissive_bodies;
 pub(crate) mod emitter_rays;
 pub(crate) mod first_collisions;
 pub(crate) mod fluence;

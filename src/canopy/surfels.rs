@@ -16,7 +16,7 @@ pub(crate) struct Surfel {
     pub(crate) area: f64,
     /// Share of light that the part itself does not shade: half for a ball, half of which is turned away.
     pub(crate) exposed: f32,
-    /// Factor of its emission.
+    /// Factor of its emission; 0 if the body that it stands for emits apart.
     pub(crate) emits: f32,
     pub(crate) optics: u32,
 }

@@ -54,6 +54,13 @@ impl Leaf {
     }
 }
 
+/// A closed part that emits.
+pub(crate) struct EmissivePart {
+    /// Surfels of pieces that each are at one place.
+    pub(crate) pieces: Vec<Vec<Surfel>>,
+    pub(crate) radiance: Rgb,
+}
+
 /// Minimum share of a leaf's area that faces one way; a body faces all ways.
 const FLAT: f64 = 0.5;
 
@@ -126,8 +133,8 @@ impl<'a> Surroundings<'a> {
         if all > 0.0 { weighted / all } else { 0.0 }
     }
 
-    /// Surfels of small parts: those narrower than `width_m`.
-    pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels<'_> {
+    /// Surfels of small parts: those narrower than `width_m`. Closed bodies may emit apart.
+    pub(crate) fn surfels(&self, width_m: f64, cell_m: f64, emit_apart: bool) -> Surfels<'_> {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
         self.find_means(leaves.iter().copied());
         let is_small = move |leaf: &PlacedPart| leaf.length_m < SMALL_CELLS * cell_m;
@@ -160,7 +167,8 @@ impl<'a> Surroundings<'a> {
                 self.surfel(leaf, place, (if is_small { mean } else { first_place + number }, &known))
             };
             let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
-            let emits = leaf.emits(cell_m) as f32;
+            let is_apart = emit_apart && leaf.part.is_closed && known[mean as usize].emission != Rgb::ZERO;
+            let emits = if is_apart { 0.0 } else { leaf.emits(cell_m) as f32 };
             surfels.iter_mut().for_each(|surfel| surfel.emits = emits);
             if is_small {
                 // One position for all surfels of a part, where its light is gathered.
@@ -177,6 +185,28 @@ impl<'a> Surroundings<'a> {
             Some(surfels)
         };
         Surfels::new(count, optics, Box::new(of_chunk))
+    }
+
+    /// Small closed parts that emit: those narrower than `width_m`.
+    pub(crate) fn emissive_bodies(&self, width_m: f64, cell_m: f64) -> Vec<EmissivePart> {
+        let is_body =
+            |part: &&PlacedPart| part.part.is_closed && !part.is_wall(width_m) && !part.is_large(width_m);
+        let emissive = |part: &PlacedPart<'a>| {
+            let optics = self.mean(part);
+            if optics.emission == Rgb::ZERO {
+                return None;
+            }
+            let mut surfels = self.pane(part, (0, &[optics]), cell_m);
+            let is_small = part.length_m < SMALL_CELLS * cell_m;
+            if is_small {
+                let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
+                surfels.iter_mut().for_each(|surfel| surfel.position = middle);
+            }
+            let at_once = if is_small { surfels.len().max(1) } else { 1 };
+            let pieces = surfels.chunks(at_once).map(<[Surfel]>::to_vec).collect();
+            Some(EmissivePart { pieces, radiance: optics.emission })
+        };
+        self.parts.iter().filter(is_body).filter_map(emissive).collect()
     }
 
     /// Surfels of a large transparent part: all of its triangles, in pieces no longer than a cell.

@@ -5,6 +5,7 @@ use super::wall_light::WallLight;
 use super::walls::SnapshotWalls;
 use crate::accel::PrimitiveId;
 use crate::canopy::delta_scaled_fog::DeltaScaledFog;
+use crate::canopy::emissive_bodies::emissive_bodies;
 use crate::canopy::first_collisions::{FirstCollisions, Found};
 use crate::canopy::fluence::ForwardPeak;
 use crate::canopy::leaf_index::LeafIndex;
@@ -14,6 +15,7 @@ use crate::canopy::surroundings::Surroundings;
 use crate::canopy::turbid_medium::TurbidMedium;
 use crate::color::Rgb;
 use crate::ordinates::domain::Domain;
+use crate::ordinates::emissive_bodies::EmissiveBodies;
 use crate::ordinates::first_collision_source::{Emission, FirstCollisionSource};
 use crate::ordinates::grid::Grid;
 use crate::ordinates::moments::Moments;
@@ -48,6 +50,8 @@ pub(super) struct Contents<'a> {
     are_walls: HashSet<PrimitiveId>,
     pub(super) medium: TurbidMedium,
     pub(super) walls: SnapshotWalls,
+    /// Small bodies that emit apart from the medium.
+    pub(super) bodies: EmissiveBodies,
 }
 
 /// Light of lamps and suns at its first collision.
@@ -62,16 +66,22 @@ pub(super) struct FirstLight {
 impl<'a> Contents<'a> {
     pub(super) fn new(grid: &'a Grid, context: &Context<'a>) -> Self {
         let &Context { snapshot, surroundings, bounces, .. } = context;
-        let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
+        let (width_m, emit_apart) = (WALL_CELLS * grid.cell_m, context.emissive.is_some());
+        let triangles = surroundings.walls(width_m);
         let fog = DeltaScaledFog::new(&snapshot.medium, snapshot.view.eye, bounces);
         let (walls, surfels) = rayon::join(
             || SnapshotWalls::new(grid, snapshot, &triangles),
-            || surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m),
+            || surroundings.surfels(width_m, grid.cell_m, emit_apart),
         );
-        let medium =
-            TurbidMedium::new(CutGrid { grid, occluders: &walls.walls.occluders }, &fog, &surfels, bounces);
+        let cut = CutGrid { grid, occluders: &walls.walls.occluders };
+        let medium = TurbidMedium::new(cut, &fog, &surfels, bounces);
+        let bodies = if emit_apart {
+            emissive_bodies(cut, (surroundings, width_m), (&surfels, &medium.clumping))
+        } else {
+            EmissiveBodies::default()
+        };
         let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
-        Self { grid, fog, are_walls, medium, walls }
+        Self { grid, fog, are_walls, medium, walls, bodies }
     }
 
     pub(super) fn domain(&self) -> Domain<'_> {
@@ -87,7 +97,7 @@ impl<'a> Contents<'a> {
         self_interaction: &SelfInteraction,
     ) -> FirstLight {
         let &Context { snapshot, leaves, cancelled, .. } = context;
-        let Self { grid, fog, are_walls, medium, walls } = self;
+        let Self { grid, fog, are_walls, medium, walls, .. } = self;
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
         let Found { sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();

@@ -139,6 +139,7 @@ impl Level {
             fine: fine.as_ref(),
             sky: sky.as_ref(),
             surrounding: &surrounding,
+            bodies: &contents.bodies,
             orders: bounces.orders(),
             next_to_inner: next_to_inner.as_deref(),
             sees_third: snapshot.has_gloss() || sees_high,

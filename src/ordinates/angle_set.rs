@@ -4,6 +4,7 @@
 use super::boundary::{BoundaryCondition, Rim};
 use super::cross_sections::{CrossSections, OrientedExtinction};
 use super::domain::Domain;
+use super::emissive_bodies::EmissiveBodies;
 use super::faces::TowardsFaces;
 use super::first_collision_source::{BeamSource, GlossySource};
 use super::grid::{Corners, Grid};
@@ -13,7 +14,7 @@ use super::moments::Moments;
 use super::planes::{Layout, Planes};
 use super::quadrature::{Ordinate, Quadrature};
 use super::slopes::{are_dense, slopes};
-use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, AddSlopes, Cells, StepRows};
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, AddSlopes, Cells, Means, StepRows};
 use super::upwind_stencil::UpwindStencil;
 use super::walls::{CutNode, Walls};
 use super::wanted::Wanted;
@@ -33,6 +34,8 @@ pub(crate) struct SweepSource<'a> {
     pub(crate) walls: &'a [Vec<f32>; 3],
     /// Highlights of walls along single ordinates.
     pub(crate) glossy: Option<&'a GlossySource>,
+    /// Small bodies that emit.
+    pub(crate) bodies: Option<&'a EmissiveBodies>,
     pub(crate) incident: BoundaryCondition<'a>,
 }
 
@@ -228,6 +231,7 @@ impl<'a> AngleSet<'a> {
     fn sweep_pair(&mut self, number: usize, sources: &SweepSource) -> Ordinate {
         let Pair { ordinate, numbers } = self.pairs[number];
         self.cells(ordinate.direction, sources);
+        sources.bodies.iter().for_each(|bodies| self.add_bodies(ordinate.direction, bodies));
         for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
             self.walls.clone_from(&sources.walls[self.channel]);
             if let Some(glossy) = sources.glossy {
@@ -245,6 +249,10 @@ impl<'a> AngleSet<'a> {
             self.cross_sections.extinction.oriented.iter().zip(self.oriented_nodes.iter())
         {
             self.own.oriented_extinction[node] = oriented.along(&products);
+        }
+        for (node, own) in sources.bodies.iter().flat_map(|emitting| &emitting.own) {
+            let extinction = &mut self.own.oriented_extinction[*node];
+            *extinction = (*extinction - own.along(&products)).max(0.0);
         }
         let way_m = (self.cell_m / direction[self.axis].abs()) as f32;
         let [along, against] = &mut self.own.added;
@@ -288,6 +296,24 @@ impl<'a> AngleSet<'a> {
                 added: [along, against],
                 added_within: [within_along, within_against],
             });
+        }
+    }
+
+    /// Adds the emission of small bodies to the sources of cells.
+    fn add_bodies(&mut self, direction: DVec3, bodies: &EmissiveBodies) {
+        let way_m = (self.cell_m / direction[self.axis].abs()) as f32;
+        for body in &bodies.bodies {
+            let emitted = body.along(direction.as_vec3(), self.channel);
+            for &(node, share) in &body.nodes {
+                let way_m = way_m * self.stretch[node];
+                let extinction = self.isotropic_extinction[node] + self.own.oriented_extinction[node];
+                let means = Means::of(way_m * extinction);
+                let source = way_m * share * emitted;
+                for side in [0, 1] {
+                    self.own.added[side][node] += source * means.mean;
+                    self.own.added_within[side][node] += source * means.mean_of_mean;
+                }
+            }
         }
     }
 

@@ -29,6 +29,7 @@ impl Problem<'_> {
             beams: &[],
             walls: &walls,
             glossy: None,
+            bodies: None,
             incident: BoundaryCondition::Vacuum,
         };
         let wanted = Wanted { moments: true, ..self.last(true) };

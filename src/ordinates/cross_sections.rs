@@ -18,12 +18,21 @@ const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
 
 /// Extinction that differs by direction: `k + w.K w`, 1/m, for a direction of travel w.
+#[derive(Clone, Copy)]
 pub(crate) struct OrientedExtinction([f32; 8]);
 
 impl OrientedExtinction {
     /// Extinction of the constant `k` and the symmetric matrix `K`: xx, yy, zz, xy, yz, zx.
     pub(crate) fn new(constant: f32, [xx, yy, zz, xy, yz, zx]: [f32; 6]) -> Self {
         Self([constant, xx, yy, zz, 2.0 * xy, 2.0 * yz, 2.0 * zx, 0.0])
+    }
+
+    /// Extinction of facets that all have one normal, of an area density, 1/m: `|n.w|` by harmonics up to l =
+    /// 2.
+    pub(crate) fn of_facet(normal: DVec3, density: f32) -> Self {
+        let [x, y, z] = normal.as_vec3().to_array();
+        let by_normal = [x * x, y * y, z * z, x * y, y * z, z * x];
+        Self::new(3.0 / 16.0 * density, by_normal.map(|product| 15.0 / 16.0 * density * product))
     }
 
     /// Products of a direction of travel; see [`OrientedExtinction::along`].

@@ -15,6 +15,7 @@ mod counted_orders;
 pub(crate) mod cross_sections;
 pub(crate) mod domain;
 mod double_gauss;
+pub(crate) mod emissive_bodies;
 mod extrapolation;
 pub(crate) mod faces;
 pub(crate) mod first_collision_source;

@@ -7,6 +7,7 @@ use super::angular_radiance::AngularRadiance;
 use super::boundary::{BoundaryCondition, IncidentRadiance, Surrounding};
 use super::chebyshev::{Chebyshev, Weights};
 use super::domain::Domain;
+use super::emissive_bodies::EmissiveBodies;
 use super::extrapolation::Series;
 use super::first_collision_source::{BeamSource, Emission, FirstCollisionSource, GlossySource};
 use super::grid::Corners;
@@ -35,6 +36,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) fine: Option<&'a Quadrature>,
     pub(crate) sky: Option<&'a Sky>,
     pub(crate) surrounding: &'a Surrounding,
+    /// Bodies whose emission is no part of the first source's.
+    pub(crate) bodies: &'a EmissiveBodies,
     /// Number of orders; `None` for all.
     pub(crate) orders: Option<u32>,
     /// Corners of each place next to a finer grid within this one.
@@ -149,6 +152,7 @@ impl Problem<'_> {
             beams: &[],
             walls: &emission.walls_by_channel(),
             glossy: None,
+            bodies: Some(self.bodies),
             incident: incident.map_or(BoundaryCondition::Vacuum, BoundaryCondition::Incident),
         };
         let wanted = Wanted { moments: true, ..self.last(true) };
@@ -313,6 +317,7 @@ impl<'a> SourceIteration<'a> {
             beams: &self.beams,
             walls: &source.walls_by_channel(),
             glossy: Some(&self.glossy),
+            bodies: None,
             incident: BoundaryCondition::Vacuum,
         };
         let swept = self.sweeper.sweep(fine, &sources, wanted, self.problem.cancelled);
@@ -357,7 +362,8 @@ impl<'a> SourceIteration<'a> {
         let walls = source.walls_by_channel();
         let beams = if source.has_first { self.beams.as_slice() } else { &[] };
         let glossy = source.has_first.then_some(&self.glossy);
-        let sources = SweepSource { volume: &source.volume, beams, walls: &walls, glossy, incident };
+        let sources =
+            SweepSource { volume: &source.volume, beams, walls: &walls, glossy, bodies: None, incident };
         self.sweeper.sweep(self.problem.quadrature, &sources, wanted, self.problem.cancelled)
     }
 
@@ -380,5 +386,5 @@ fn dark<'s>(
     walls: &'s [Vec<f32>; 3],
     incident: BoundaryCondition<'s>,
 ) -> SweepSource<'s> {
-    SweepSource { volume: &nothing.volume, beams: &[], walls, glossy: None, incident }
+    SweepSource { volume: &nothing.volume, beams: &[], walls, glossy: None, bodies: None, incident }
 }

@@ -100,7 +100,9 @@ impl<'a> Sweeper<'a> {
     ) -> Swept {
         let turned = sources.volume.map(|values| self.turned.of_grid(values));
         let turned_beams = self.turned_beams(sources);
-        let turned = SweepSource { volume: &turned, beams: &turned_beams, ..*sources };
+        let turned_bodies = sources.bodies.map(|bodies| bodies.laid(|node| self.turned.node(node)));
+        let bodies = turned_bodies.as_ref();
+        let turned = SweepSource { volume: &turned, beams: &turned_beams, bodies, ..*sources };
         let turned_places: Option<Vec<Corners>> = wanted
             .radiances
             .map(|places| places.iter().map(|corners| self.turned.corners(corners)).collect());
