@@ -109,9 +109,13 @@ fn is_flat(grid: &Grid, snapshot: &Snapshot) -> bool {
     snapshot.medium.banks().iter().filter(|bank| scatters_ahead(bank)).any(|bank| {
         let within = |(least, most): (DVec3, DVec3)| (low.max(least + eye), high.min(most + eye));
         let (low, high) = bank.bounds().map_or((low, high), within);
-        let depths = (high - low) * bank.most_ever_per_m();
-        depths.min_element() > 0.0 && depths.max_element() > DEEP && depths.min_element() < DEEP
+        is_deep_along_some((high - low) * bank.most_ever_per_m())
     })
+}
+
+/// Whether optical depths along axes are deep along some and not along others; fog beyond a grid has none.
+fn is_deep_along_some(depths: DVec3) -> bool {
+    depths.min_element() > 0.0 && depths.max_element() > DEEP && depths.min_element() < DEEP
 }
 
 impl Level {
@@ -319,4 +323,22 @@ fn light_in_fog(lit: &Solution, sky: Option<FrozenSky>) -> Option<NodeMoments> {
     let mut seen = lit.all.clone();
     seen.add(of_sky, [-1.0; 3]);
     Some(NodeMoments::of(&seen))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slabs_are_flat_and_cubes_are_not() {
+        for (depths, is_flat) in [
+            ([12.0, 0.8, 12.0], true),
+            ([0.8, 12.0, 0.8], true),
+            ([12.0, 12.0, 12.0], false),
+            ([0.8, 0.8, 0.8], false),
+            ([12.0, -1.0, 12.0], false),
+        ] {
+            assert_eq!(is_deep_along_some(depths.into()), is_flat, "{depths:?}");
+        }
+    }
 }
