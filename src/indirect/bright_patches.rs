@@ -162,11 +162,12 @@ impl WallLight<'_> {
                 all
             })
             .collect();
-        let near = || senders.iter().filter(|sender| is_near(sender)).flat_map(|sender| &sender.points);
+        let near = senders.iter().filter(|sender| is_near(sender)).flat_map(|sender| &sender.points);
+        let near: Vec<&FrozenLight> = near.map(|(point, _)| point).collect();
         let mut sum = Rgb::ZERO;
         let shift = kronecker(0.5, target.node);
         for (number, (_, square)) in target.squares.iter().enumerate() {
-            sum += near().map(|(point, _)| self.on_square(square, point, target).1).sum::<Rgb>();
+            sum += near.iter().map(|point| self.on_square(square, point, target).1).sum::<Rgb>();
             let u = (number as f64 + shift) / target.squares.len() as f64;
             let chosen = up_to.partition_point(|sum| *sum <= u * all);
             let Some(sender) = senders.get(chosen) else { continue };
