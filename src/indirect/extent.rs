@@ -214,7 +214,7 @@ fn bounded_fogs(snapshot: &Snapshot, layers: Option<&Layers>) -> Vec<Weighed> {
 /// out, as its density varies as much.
 fn about_lamps(snapshot: &Snapshot, fog: Bounds, emissive: &[Luminaire]) -> Option<Bounds> {
     let medium = &snapshot.medium;
-    let reach = DVec3::splat(LAMP_DEPTH / medium.most_extinction_per_m());
+    let reach = DVec3::splat(LAMP_DEPTH / medium.most_ever_per_m());
     let about = |light: &Luminaire| {
         let FrozenLight::Point { position, .. } = light.centre() else { return None };
         let place = snapshot.world_from_relative(position);

@@ -273,8 +273,11 @@ impl Level {
         towards: &Towards,
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
-        let place = self.edges.as_ref().map_or(world, |edges| edges.place(&self.grid, world));
-        let corners = self.walls.occluders.corners(&self.grid, place, world);
+        let occluders = &self.walls.occluders;
+        let moved = self.edges.as_ref().map(|edges| edges.place(&self.grid, world));
+        let place =
+            moved.filter(|place| occluders.is_free_between(&self.grid, world, *place)).unwrap_or(world);
+        let corners = occluders.corners(&self.grid, place, world);
         let mut moments = self.light_in_fog.as_ref().unwrap_or(&self.light.low).mean(&corners);
         if let Some(emissive) = &self.of_emission {
             let added = emissive.low.mean(&corners);

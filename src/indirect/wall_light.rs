@@ -13,6 +13,7 @@ use crate::light::{Emission, LightPlace};
 use crate::math::{Ray, kronecker};
 use crate::ordinates::first_collision_source::GlossySource;
 use crate::ordinates::grid::Grid;
+use crate::ordinates::occluders::OFF_WALL;
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::walls::Patch;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
@@ -173,9 +174,10 @@ impl WallLight<'_> {
         !self.snapshot.tree.any_hit(&ray, way.length(), Some(primitive))
     }
 
-    /// Offset of shadow rays from a patch.
+    /// Offset of shadow rays from a patch. What no node sees lies close before another wall.
     fn off_wall(&self, patch: &Patch) -> DVec3 {
-        0.02 * self.grid.cell_m * patch.normal
+        let cells = if patch.seen_by.is_empty() { OFF_WALL } else { 0.02 };
+        cells * self.grid.cell_m * patch.normal
     }
 
     /// Direction to a light without extent, and its irradiance on a square.

@@ -173,7 +173,7 @@ impl<'a> AngleSet<'a> {
         self.slopes = self.is_dense.then(|| {
             let of_fog = (sources.volume.channel(self.channel, 0), &*self.isotropic_extinction);
             let cut = self.cut.iter().flatten().map(|cut| cut.node);
-            slopes(&self.planes, of_fog, self.cell_m as f32, cut)
+            slopes(&self.planes, of_fog, self.cell_m as f32, (cut, &self.oriented_nodes))
         });
         for number in 0..self.pairs.len() {
             if cancelled() {

@@ -89,6 +89,12 @@ impl Occluders {
         corners
     }
 
+    /// Whether a look-up may be moved from one place to another: within a cell, or where no walls are near.
+    pub(crate) fn is_free_between(&self, grid: &Grid, from: DVec3, to: DVec3) -> bool {
+        let cells = [from, to].map(|place| grid.corners(place).nodes[0]);
+        cells[0] == cells[1] || cells.into_iter().all(|cell| self.about(cell).is_empty())
+    }
+
     /// Nodes that represent a place: the one whose cell has it, unless a wall hides that node; otherwise the
     /// visible ones around it.
     #[inline]

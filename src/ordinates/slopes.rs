@@ -1,6 +1,6 @@
 //! Slopes of sources within dense cells. In go the source and the extinction of all nodes, out come its
-//! derivatives along the axes of the world. Invariant: a slope moves a cell's source and adds none, so every
-//! order conserves energy, and uniform light stays uniform.
+//! derivatives along the axes of the world, away from leaves. Invariant: a slope moves a cell's source and
+//! adds none, so every order conserves energy, and uniform light stays uniform.
 //!
 //! With uniform sources light diffuses too fast, by a quarter of the square of a cell's optical depth. So in
 //! dense cells they are linear (linear characteristics; Larsen & Miller 1980, "Convergence rates of spatial
@@ -28,9 +28,12 @@ pub(super) fn slopes(
     planes: &Planes,
     (source, extinction): (&[f32], &[f32]),
     cell_m: f32,
-    cut: impl Iterator<Item = usize>,
+    (cut, with_leaves): (impl Iterator<Item = usize>, &[usize]),
 ) -> [Vec<f32>; 3] {
     let mut slopes = [(); 3].map(|()| vec![0.0; source.len()]);
+    // Leaves scatter and emit too, beside the extinction of fog.
+    let mut is_of_fog = vec![true; source.len()];
+    with_leaves.iter().for_each(|&node| is_of_fog[node] = false);
     let [count, stride] = [planes.count, planes.stride];
     let rows = (1..count[0].saturating_sub(1))
         .flat_map(|plane| (1..count[1].saturating_sub(1)).map(move |row| (plane, row)));
@@ -39,7 +42,7 @@ pub(super) fn slopes(
         for node in first + 1..first + count[2] - 1 {
             let here = extinction[node];
             let share = share(cell_m * here);
-            if share == 0.0 {
+            if share == 0.0 || !is_of_fog[node] {
                 continue;
             }
             // The source function: what is sent by what is lost.
@@ -47,7 +50,11 @@ pub(super) fn slopes(
             let across = stride.map(|stride| {
                 let [before, after] = [node - stride, node + stride];
                 let are_alike = extinction[before].min(extinction[after]) >= ALIKE * here;
-                if are_alike { 0.5 * (function(after) - function(before)) } else { 0.0 }
+                if are_alike && is_of_fog[before] && is_of_fog[after] {
+                    0.5 * (function(after) - function(before))
+                } else {
+                    0.0
+                }
             });
             // Not limited: the operator stays linear, so that orders add up.
             let factor = share * here / cell_m;
@@ -78,14 +85,20 @@ mod tests {
         for (extinction, expected) in [(2.0, [2.0, -1.0, 0.5]), (0.2, [0.0; 3])] {
             let extinctions = vec![extinction; 120];
             let source: Vec<f32> = linear.iter().map(|function| extinction * function).collect();
-            let found = slopes(&planes, (&source, &extinctions), 1.0, std::iter::empty());
+            let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[]));
             let found = [0, 1, 2].map(|axis: usize| found[axis][inside]);
             assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-5), "{found:?}");
         }
         let extinctions = of(&|[x, ..]| 2.0 + 0.1 * x);
         let source: Vec<f32> =
             even.iter().zip(&extinctions).map(|(function, loss)| function * loss).collect();
-        let found = slopes(&planes, (&source, &extinctions), 1.0, std::iter::empty());
+        let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[]));
         assert!(found.iter().flatten().all(|slope| slope.abs() < 1e-5), "even light has none");
+        // In even light a node with leaves sends more, which is no slope of its neighbours.
+        let leaves = inside + 1;
+        let source: Vec<f32> =
+            (0..120).map(|node| source[node] * if node == leaves { 6.0 } else { 1.0 }).collect();
+        let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[leaves]));
+        assert!(found.iter().flatten().all(|slope| slope.abs() < 1e-5), "leaves are not fog");
     }
 }

@@ -29,6 +29,9 @@ const COMPARED: f64 = 6.0;
 const MIXED: f64 = 0.1;
 /// Penalty on slopes in relation to light: ridge regression (Hoerl & Kennard 1970).
 const RIDGE: f64 = 1e-3;
+/// Standard deviation of a cell's neighbours, in cells, and their weight beside its own probes.
+const NEIGHBOURS: f64 = 1.0;
+const FEW: f64 = 0.1;
 /// Minimum correction: with less, light would be black or negative.
 const LEAST: f64 = -0.95;
 
@@ -51,11 +54,16 @@ pub(super) fn by_halves(halves: &[Moments; 2], near_cells: f64) -> [[Map<Rgb>; P
     [0, 1].map(|half| by_pass.each_ref().map(|of_halves| of_halves[half].clone()))
 }
 
-/// The grid's light of a pass, by itself and its mean over the picture: from 0 in the dark to 1.
+/// The grid's light of a pass, by itself and its mean over the picture: from 0 in the dark to 1. Where probes
+/// are few, it is their neighbours'.
 fn guide(all: &Moments, pass: usize) -> Map<Rgb> {
     let (count, grid) = (all.count(), all.grid(pass));
     let mean = grid.sum() / count.sum().max(f64::MIN_POSITIVE);
-    grid.like(|cell| ratio(grid.of(cell), grid.of(cell) + mean * count.of(cell)))
+    let (counts, light) = (count.smoothed(NEIGHBOURS), grid.smoothed(NEIGHBOURS));
+    grid.like(|cell| {
+        let light = grid.of(cell) + FEW * light.of(cell);
+        ratio(light, light + mean * (count.of(cell) + FEW * counts.of(cell)))
+    })
 }
 
 /// Estimates of relative corrections, by each of two differences: none, that of the whole picture, and means

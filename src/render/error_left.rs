@@ -43,7 +43,8 @@ impl Light {
 }
 
 /// Residuals of pairs of walks, after corrections that do not know the other walk: of two in one half after
-/// the other half's correction, of one in each half after its own. So products have no noise on average.
+/// the other half's correction, of one in each half after its own. So products have no noise on average, but
+/// for what both halves' common weights of estimates know.
 pub(super) struct Left {
     /// Sums of such products near each cell, and their number.
     products: Map<f64>,
