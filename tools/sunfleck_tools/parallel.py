@@ -7,6 +7,7 @@ ends.
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -23,6 +24,7 @@ Result = TypeVar("Result")
 QUEUED_PER_PROCESS = 4
 KILLED = "the system ended the process that decoded a frame, most likely for want of memory"
 WAITING = (signal.SIGINT, signal.SIGTERM)
+_MAIN = threading.Lock()
 NOT_BEGUN = "no process that decodes could be started, most likely for want of memory"
 
 
@@ -53,7 +55,7 @@ def in_processes(
                 argument = next(remaining, None)
                 if argument is None:
                     break
-                with _signals_later():
+                with _signals_later(), _without_main():
                     waiting.append((argument, pool.submit(function, argument)))
             if not waiting:
                 return
@@ -122,6 +124,23 @@ def _signals_later() -> Iterator[None]:
             signal.raise_signal(first)
 
 
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Keeps workers from importing the caller's script again, as `multiprocessing.spawn` has it by these two
+    attributes. They need nothing of it; without `if __name__ == "__main__":` it would run in each, and from
+    stdin it would not be found."""
+    main = vars(sys.modules["__main__"])
+    with _MAIN:
+        kept: dict[str, object] = {name: main[name] for name in ("__file__", "__spec__") if name in main}
+        main.pop("__file__", None)
+        main["__spec__"] = None
+        try:
+            yield
+        finally:
+            del main["__spec__"]
+            main.update(kept)
+
+
 def _alone(
     function: Callable[[Argument], Result],
     argument: Argument,
@@ -130,7 +149,7 @@ def _alone(
 ) -> Result:
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(function, argument, theirs), daemon=True)
-    with _signals_later():
+    with _signals_later(), _without_main():
         process.start()
     theirs.close()
     has_begun = False

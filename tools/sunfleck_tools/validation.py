@@ -75,8 +75,7 @@ def validate(
     """Checks every frame of `target`: a folder with one sequence or several, a pattern such as
     `out/x.####.exr`, or one file.
 
-    A script that calls this needs the usual `if __name__ == "__main__":`, since frames are decoded in
-    processes. Raises `SequenceError` if there is nothing to check, and `MemoryError`.
+    Raises `SequenceError` if there is nothing to check, and `MemoryError`.
     """
     seconds = render_seconds(options.stats) if options.stats else {}
     listings = list_sequences(target, options.frames)

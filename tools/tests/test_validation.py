@@ -3,6 +3,8 @@
 import json
 import os
 import struct
+import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -237,7 +239,18 @@ class Apart(WithSequence):
             validate(self.folder / "x.exr", HERE)
 
 
-class Processes(unittest.TestCase):
+class Processes(WithSequence):
+    def test_a_script_needs_no_guard(self):
+        text = f"import sunfleck_tools as s\nprint(len(s.validate({str(self.folder)!r}, s.Options(processes=2)).frames))\nprint(__spec__)\n"
+        script = self.folder.parent / "script.py"
+        script.write_text(text)
+        for name, given in ((script, ""), ("-", text)):
+            environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+            ran = subprocess.run(
+                [sys.executable, name], input=given, capture_output=True, text=True, env=environment
+            )
+            self.assertEqual((ran.stdout, ran.stderr), ("12\nNone\n", ""))
+
     def test_one_that_dies_takes_no_other_along(self):
         results = list(in_processes(die, range(6), 2, lambda argument: -argument))
         self.assertEqual(results, [0, 1, 2, -3, 4, 5])
