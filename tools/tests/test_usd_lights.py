@@ -334,6 +334,26 @@ class MeshLights(LookCase):
         np.testing.assert_allclose(material["emissiveFactor"], [0.5] * 3)
 
 
+class Blenders(LookCase):
+    def test_watts_are_the_same_in_any_unit(self):
+        """As Blender 5.3 writes a point of 100 W and a rectangle of 50 W: intensities do not follow the unit."""
+        for unit in (1.0, 0.01, 0.0254):
+            stage = self.stage()
+            stage.GetRootLayer().documentation = "Blender v5.3.0"
+            UsdGeom.SetStageMetersPerUnit(stage, unit)
+            UsdGeom.Xform.Define(stage, "/root").AddScaleOp().Set((1 / unit,) * 3)
+            point = UsdLux.SphereLight.Define(stage, "/root/point")
+            point.CreateRadiusAttr(0.1)
+            area = UsdLux.RectLight.Define(stage, "/root/area")
+            for light, intensity in ((point, 31.830988), (area, 15.915494)):
+                light.CreateNormalizeAttr(True)
+                light.CreateIntensityAttr(intensity)
+            gltf = self.load(stage)
+            power = 4 * math.pi * punctual(gltf)["point"]["intensity"] / LUMENS_PER_WATT
+            self.assertAlmostEqual(power, 100.0, 3)
+            self.assertAlmostEqual(of_node(gltf, "area")["power_w"], 50.0, 3)
+
+
 class Domes(LookCase):
     def test_the_second_schema_and_its_pole(self):
         """A dome whose pole is z in a stage whose up is z is upright as it is; longitude 0 points to -y

@@ -104,6 +104,14 @@ class FromBlender(unittest.TestCase):
         self.near(lights["window"]["power_w"], [25.0] * 3)
         self.near([lights["window"]["width_m"], lights["window"]["height_m"]], [2.0, 1.0])
 
+    def test_lamps_keep_their_watts_in_other_units(self):
+        for kind in ("POINT", "AREA"):
+            scenes.add(self.scene, kind, bpy.data.lights.new(kind, kind), (1.0, 2.0, 3.0)).data.energy = 40.0
+        for unit in ("CENTIMETERS", "INCHES"):
+            lights = inspect(self.back(convert_scene_units=unit), [1.0])[1.0]["lights"]
+            self.near(lights["POINT"]["intensity_w_per_sr"], [40.0 / (4 * math.pi)] * 3)
+            self.near(lights["AREA"]["power_w"], [40.0] * 3)
+
     def near(self, found, expected):
         found, expected = np.ravel(found), np.ravel(expected)
         self.assertLessEqual(np.abs(found - expected).max(), 1e-5 * max(1.0, np.abs(expected).max()))

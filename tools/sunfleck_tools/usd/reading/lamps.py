@@ -81,8 +81,10 @@ class _Reader:
         self.prim, self.source, self.still, self.lost = prim, source, still, lost
         self.inputs = LampInputs(prim, lost)
         self.codes = codes_of([*self.inputs.attributes(), *moving_scales(prim)], source.codes)
-        # Blender's convention for suns, both in writing and reading.
+        # Blender's conventions, both in writing and reading: units of suns; and areas that intensity is divided
+        # by are in m2, whatever the stage's unit.
         self.blenders = source.by_blender or source.for_blender
+        self.area_unit = source.metres**2 if self.blenders else 1.0
 
     def number(self, name: str, default: float) -> np.ndarray:
         """Values of a scalar input, one a code."""
@@ -92,12 +94,11 @@ class _Reader:
         """Linear part of the transform to the world in stage units, a matrix a code."""
         return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
-    def radiance(self, stage_area: np.ndarray) -> np.ndarray:
-        """Radiance, three numbers a code, W/(m2 sr); `stage_area` is the light's area in the world, in
-        stage units squared."""
+    def radiance(self, size: np.ndarray) -> np.ndarray:
+        """Radiance, three numbers a code, W/(m2 sr); `size` is what `normalize` divides by."""
         radiance = self.inputs.radiance(self.codes)
         if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
-            radiance = radiance / stage_area[:, None]
+            radiance = radiance / size[:, None]
         return radiance
 
     def sun(self) -> Lamp:
@@ -125,7 +126,7 @@ class _Reader:
         stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
         area = stage_area * self.source.metres**2
         # The mean projected area of a convex body is a quarter of its surface (Cauchy).
-        intensity = self.radiance(stage_area) * area[:, None] / 4
+        intensity = self.radiance(stage_area * self.area_unit) * area[:, None] / 4
         radius = np.where(stage_area > SMALLEST_AREA, np.sqrt(area / (4 * math.pi)), 0.0)
         is_point = bool(UsdLux.SphereLight(self.prim).GetTreatAsPointAttr().Get()) and not is_cylinder
         lamp = Lamp(self._light("point", intensity), {} if is_point else {"radius": radius[0]})
@@ -178,7 +179,8 @@ class _Reader:
         world = self.linears()
         scale = np.linalg.norm(np.cross(world[:, :, 0], world[:, :, 1]), axis=1)
         stage_area = np.maximum(width * height * scale * (math.pi / 4 if is_disk else 1.0), SMALLEST_AREA)
-        power = math.pi * self.radiance(stage_area) * stage_area[:, None] * self.source.metres**2
+        radiance = self.radiance(stage_area * self.area_unit)
+        power = math.pi * radiance * stage_area[:, None] * self.source.metres**2
         brightest = max(power[0].max(), 0.0)
         extras = {
             "type": "area",
