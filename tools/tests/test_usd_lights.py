@@ -388,6 +388,37 @@ class Domes(LookCase):
             np.testing.assert_allclose(sky["color"], 2.0 * mean, rtol=1e-5)
             self.assertEqual("usd-dome-picture" in self.said(), is_lost)
 
+    def sky(self, name: str, form: str) -> dict:
+        """`sunfleck_env` of a dome with a picture that is not carried."""
+        stage = self.stage()
+        quad(stage, "/a")
+        dome = UsdLux.DomeLight.Define(stage, "/dome")
+        dome.CreateTextureFileAttr(f"./{name}")
+        dome.CreateTextureFormatAttr(form)
+        return self.load(stage).extras.raw["sunfleck_env"]
+
+    def test_means_of_balls_and_crosses_are_over_the_sphere(self):
+        """Of light from the half in front, and of a cross whose faces are white."""
+        y, x = (np.mgrid[:128, :128] + 0.5) / 64 - 1
+        for form, lit, mean in (
+            ("angular", np.hypot(x, y) < 0.5, 0.5),
+            ("mirroredBall", np.hypot(x, y) < math.sqrt(0.5), 0.5),
+            ("cubeMapVerticalCross", (abs(x) < 1 / 3) | (abs(y + 0.25) < 0.25), 1.0),
+        ):
+            Image.fromarray(np.uint8(lit) * 255).convert("RGB").save(self.folder / "sky.png")
+            np.testing.assert_allclose(self.sky("sky.png", form)["color"], [mean] * 3, atol=0.01)
+            self.assertIn("its mean is", self.said()["usd-dome-picture"])
+
+    def test_a_picture_that_cannot_be_read_has_no_mean(self):
+        (self.folder / "sky.png").write_bytes(b"no picture")
+        self.assertEqual(self.sky("sky.png", "angular")["color"], [1.0] * 3)
+        self.assertIn("the sky has its colour alone", self.said()["usd-texture"])
+        self.assertNotIn("usd-dome-picture", self.said())
+
+    def test_texels_that_are_not_finite_have_a_finite_mean(self):
+        Image.fromarray(np.array([[1.0, math.nan, math.inf, -math.inf]], np.float32)).save(self.folder / "sky.tif")
+        self.assertTrue(np.isfinite(self.sky("sky.tif", "angular")["color"]).all())
+
     def test_one_sky_is_all_there_is(self):
         stage = self.stage()
         quad(stage, "/a")

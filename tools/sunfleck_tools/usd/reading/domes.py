@@ -15,7 +15,7 @@ from ...errors import SceneError
 from ...exr.codecs import why_unread
 from ...exr.write import write_colors
 from ...gltf.container import LINEAR_PICTURES
-from .lamp_inputs import MEAN_SIZE, LampInputs
+from .lamp_inputs import BRIGHTEST, LampInputs, light_texels
 from .losses import Losses
 from .source import Source
 from .texels import PictureError, open_picture
@@ -78,11 +78,18 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     axes = _axes(prim, source, ours_from_stage)
     form = prim.GetAttribute("inputs:texture:format").Get(source.first)
     if form not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong) or not axes[1, 1] > math.cos(UPRIGHT):
-        mean, is_even = _mean(asset)
-        if not is_even:
+        try:
+            texels = light_texels(asset)
+        except PictureError as error:
+            said = f"the picture `{asset.path}` is left out: {error}: the sky has its colour alone"
+            lost.add("usd-texture", prim, said)
+            return even
+        # Of one colour alone, as Blender writes plain skies, nothing is lost.
+        if np.ptp(texels, axis=(0, 1)).max() > 0.0:
             said = "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried: its mean is"
             lost.add("usd-dome-picture", prim, said)
-        return {**even, "color": (radiance * mean).tolist()}
+        mean = np.average(texels, axis=(0, 1), weights=_solid_angles(texels.shape, form))
+        return {**even, "color": np.minimum(radiance * mean, BRIGHTEST).tolist()}
     try:
         image = picture_uri(asset, str(prim.GetPath()))
     except SceneError as error:
@@ -94,17 +101,23 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     return {"image": image, "strength": radiance.tolist(), "rotation": rotation, "lights": "surfaces_and_fog"}
 
 
-def _mean(asset: Sdf.AssetPath) -> tuple[np.ndarray, bool]:
-    """Mean colour over the sphere, and whether the picture has no other, as Blender writes plain skies; white if it
-    cannot be read."""
-    try:
-        picture = open_picture(asset.resolvedPath)
-        size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
-        texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
-    except PictureError:
-        return np.ones(3), False
-    rows = np.sin(math.pi * (np.arange(size[1]) + 0.5) / size[1])
-    return np.average(texels.mean(axis=1), axis=0, weights=rows), bool(np.ptp(texels, axis=(0, 1)).max() == 0.0)
+def _solid_angles(shape: tuple[int, ...], form: str) -> np.ndarray:
+    """Relative solid angles of a sky's texels, in the shape of its texels."""
+    y, x = ((2 * np.arange(count) + 1) / count - 1 for count in shape[:2])
+    radius = np.hypot(y[:, None], x)
+    if form == UsdLux.Tokens.angular:
+        # The angle from the centre is pi times the radius.
+        weights = np.sinc(radius) * (radius < 1)
+    elif form == UsdLux.Tokens.mirroredBall:
+        # A ball's reflection in parallel rays keeps areas: the radius is the sine of half the angle.
+        weights = (radius < 1) * 1.0
+    elif form in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
+        weights = np.broadcast_to(np.cos(math.pi / 2 * y)[:, None], shape[:2])
+    else:
+        # Of a cross of three by four faces six are none.
+        is_face = (np.abs(x) < 1 / 3) | (np.abs(y[:, None] + 0.25) < 0.25)
+        weights = np.where(is_face, 1.0, 1e-9)
+    return np.broadcast_to(weights[..., None], shape)
 
 
 def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.ndarray:

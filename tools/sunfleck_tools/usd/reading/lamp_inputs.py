@@ -23,6 +23,14 @@ CONE = ("shaping:cone:angle", "shaping:cone:softness")
 MEAN_SIZE = 256
 
 
+def light_texels(asset: Sdf.AssetPath) -> np.ndarray:
+    """Linear colours of a light's picture, finite and not below 0, reduced to be averaged. Raises `PictureError`."""
+    picture = open_picture(asset.resolvedPath)
+    size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
+    texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
+    return np.clip(np.nan_to_num(texels.astype(float), nan=0.0, posinf=65504.0), 0.0, BRIGHTEST)
+
+
 class LampInputs:
     """The inputs of one light."""
 
@@ -100,9 +108,7 @@ class LampInputs:
         if not isinstance(asset, Sdf.AssetPath) or not asset.path:
             return np.ones(3)
         try:
-            picture = open_picture(asset.resolvedPath)
-            size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
-            texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
+            texels = light_texels(asset)
         except PictureError as error:
             self.lost.add("usd-texture", self.prim, f"the picture `{asset.path}` is left out: {error}")
             return np.ones(3)
