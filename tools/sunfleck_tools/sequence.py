@@ -70,6 +70,11 @@ class Listing:
             return self.before
         return f"{self.before}{'-' if number < 0 else ''}{abs(number):0{self.digits}d}{self.after}"
 
+    def is_padded(self, file: Named) -> bool:
+        """True if a file's name is the expected one, or printf's: `%04d` counts the sign, as in `-001`."""
+        printed = f"{self.before}{file.number:0{self.digits}d}{self.after}"
+        return file.path.name in (self.name_of(file.number), printed)
+
     @property
     def frames(self) -> list[Named]:
         """One file a frame, ascending; of duplicates the one with the expected name."""
@@ -90,6 +95,12 @@ class Listing:
         """Adds expected frames."""
         if not self.is_still:
             self.expected = sorted({*self.expected, *numbers})
+
+    def confine(self, first: int, last: int) -> None:
+        """Expects the frames between those found in a range alone, unless most lie outside: they were renumbered."""
+        within = [file.number for file in self.files if first <= file.number <= last]
+        if 2 * len(within) > len(self.files):
+            self.expected = [number for number in self.expected if min(within) <= number <= max(within)]
 
     @property
     def missing(self) -> list[int]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from . import checks  # noqa: F401  (registers them)
 from .analysis import Job, analyse, confirm, without_pixels
+from .checks.constancy import scene_frames
 from .disk import need_regular
 from .findings import CHECKS, Finding, Severity, findings_in, ordered
 from .options import Options
@@ -79,19 +80,18 @@ def validate(
     """
     seconds = render_seconds(options.stats) if options.stats else {}
     listings = list_sequences(target, options.frames)
-    if options.frames is None and seconds:
-        listings[0].expect(seconds)
     of, done = sum(len(listing.asked) for listing in listings), 0
     sequences = []
     for listing in listings:
-        checked = _check(listing, options, seconds, lambda now: progress(done + now, of))
+        asked = len(listing.asked)
+        checked = _check(listing, options, seconds, lambda now: progress(done + now, of), listing is listings[0])
         sequences.append(checked)
-        done += len(checked.frames)
+        done += asked
     return Report(sequences, options)
 
 
 def _check(
-    listing: Listing, options: Options, seconds: dict[int, float], progress: Callable[[int], None]
+    listing: Listing, options: Options, seconds: dict[int, float], progress: Callable[[int], None], is_first: bool
 ) -> Checked:
     jobs = _jobs(listing, options)
     processes = min(os.cpu_count() or 1 if options.processes is None else options.processes, len(jobs))
@@ -100,6 +100,14 @@ def _check(
         summary.render_seconds = seconds.get(summary.number)
         frames.append(summary)
         progress(len(frames))
+    if options.frames is None and not listing.is_still:
+        # Other frames cannot be rendered again.
+        if (found := scene_frames(frames)) is not None:
+            listing.confine(*found)
+            asked = {file.number for file in listing.asked}
+            frames = [frame for frame in frames if frame.number in asked]
+        if is_first:
+            listing.expect(seconds)
     _look_again(frames, options, processes)
     findings = [finding for frame in frames for finding in frame.findings]
     for subject in (listing, Rendered(frames, options, listing.is_still)):

@@ -149,6 +149,21 @@ class CommandLine(WithSequence):
         out = run("validate", self.folder, "--frames", "20,21")[1]
         self.assertIn("0 frames: 2 errors, 12 warnings; render again: 20-21", out)
 
+    def test_frames_that_the_scene_has_not_are_only_named(self):
+        """Render would refuse a list with them."""
+        for number in range(1, 13):
+            rewrite(frame_path(self.folder, number), texts={"sequenceFrames": "1-12"})
+        frame_path(self.folder, 2).rename(self.folder / "leaf.-001.exr")
+        out = run("validate", self.folder)[1]
+        self.assertIn("frame -1: it is none of 1-12, and was not looked at [unexpected-frame]", out)
+        self.assertIn("11 frames, 1,3-12: 1 error, 1 warning; render again: 2", out)
+
+    def test_padding_of_negative_numbers_is_ours_or_printfs(self):
+        for name, number in (("leaf.-0001.exr", 1), ("leaf.-002.exr", 2), ("leaf.-03.exr", 3)):
+            frame_path(self.folder, number).rename(self.folder / name)
+        report = validate(self.folder, HERE)
+        self.assertEqual([f.frame for f in report.findings if f.check == "mixed-padding"], [-3])
+
     def test_json_follows_its_schema(self):
         frame_path(self.folder, 4).write_bytes(b"")
         rewrite(frame_path(self.folder, 7), set_value("R", np.inf))
@@ -182,6 +197,9 @@ class Apart(WithSequence):
         rewrite(frame_path(reference, 8), lambda c: {name: values[:-1] for name, values in c.items()})
         self.assertEqual(self.found("reference", reference=reference), [5])
         self.assertEqual(self.found("reference-missing", reference=reference), [6, 7, 8])
+        # As of `sunfleck diff`, 0 asks for equality.
+        out = run("validate", self.folder, "--reference", reference, "--max-relmse", 0)[1]
+        self.assertEqual(out.count("[reference]"), 1, out)
 
     def test_deep_data_is_named(self):
         path = frame_path(self.folder, 5)
@@ -193,6 +211,10 @@ class Apart(WithSequence):
     def test_a_file_that_the_system_withholds(self):
         with mock.patch.object(Path, "open", side_effect=PermissionError(13, "Permission denied")):
             self.assertEqual(self.found("unreadable"), list(range(1, 13)))
+        path = frame_path(self.folder, 5)
+        path.unlink()
+        path.symlink_to("nowhere")
+        self.assertEqual(validate(self.folder, HERE).rerender, [5])
 
     def test_a_lit_gap_that_lasts_is_no_firefly(self):
         def spike(channels):

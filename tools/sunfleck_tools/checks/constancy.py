@@ -84,18 +84,24 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
                 yield frame.found("it carries no hash of the file, as the others do")
 
 
+def scene_frames(frames: list[FrameSummary]) -> tuple[int, int] | None:
+    """First and last frame of the scene, as frames of this renderer store them."""
+    texts = {frame.provenance.get("sequenceFrames", "") for frame in frames}
+    ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]
+    return (min(first for first, _ in ranges), max(last for _, last in ranges)) if ranges else None
+
+
 @check("ends-early", Severity.WARNING, "the scene's own frames go on before or after those that are there")
 def ends_early(rendered: Rendered) -> Iterator[Found]:
     """A missing first or last frame leaves no gap. Frames store the range of their scene, whichever frames
     a run rendered. If one end exists and the other does not, it may be lost; a partial render is
     deliberate."""
     numbers = [frame.number for frame in rendered.frames]
-    texts = {frame.provenance.get("sequenceFrames", "") for frame in rendered.frames}
-    ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]
-    if rendered.options.frames is not None or len(numbers) < 2 or not ranges:
+    found = scene_frames(rendered.frames)
+    if rendered.options.frames is not None or len(numbers) < 2 or found is None:
         return
+    first, last = found
     step = min(after - before for before, after in pairwise(numbers))
-    first, last = min(first for first, _ in ranges), max(last for _, last in ranges)
     is_first_there, is_last_there = numbers[0] - step < first, numbers[-1] + step > last
     if is_first_there != is_last_there:
         lost = f"after {numbers[-1]}" if is_first_there else f"before {numbers[0]}"

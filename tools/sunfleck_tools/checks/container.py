@@ -13,9 +13,9 @@ from ..layers import Kind, kind
 NAME = "sunfleck:pixelHash"
 
 
-@check("unreadable", Severity.ERROR, "the system does not let the file be read")
+@check("unreadable", Severity.ERROR, "the system does not let the file be read", rerender=True)
 def unreadable(file: FileBytes) -> Iterator[Found]:
-    """Missing permissions, and failing disks."""
+    """Missing permissions, failing disks, links to nothing and FIFOs: a render replaces them."""
     if file.read_error:
         yield Found(f"it cannot be read: {file.read_error}")
 

@@ -22,9 +22,9 @@ def shorter_sequence(listing: Listing) -> Iterator[Found]:
             yield Found(f"{pattern} has frames {format_frames(numbers)} too, and {listing.pattern} has not")
 
 
-@check("unexpected-frame", Severity.WARNING, "a file's number lies outside of the range asked for; nothing else of it is checked")
+@check("unexpected-frame", Severity.WARNING, "a file's number lies outside of the range asked for, or the scene's; nothing else of it is checked")
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
-    """Only with a requested range; otherwise every frame is expected."""
+    """Without either range every frame is expected."""
     expected = set(listing.expected)
     for file in listing.frames:
         if file.number not in expected:
@@ -47,7 +47,7 @@ def duplicate_frame(listing: Listing) -> Iterator[Found]:
 def mixed_padding(listing: Listing) -> Iterator[Found]:
     """Programs with the pattern x.####.exr do not find x.7.exr."""
     for file in listing.frames:
-        if file.path.name != listing.name_of(file.number):
+        if not listing.is_padded(file):
             message = f"{file.path.name} should be {listing.name_of(file.number)}"
             yield Found(message, frame=file.number, path=str(file.path))
 

@@ -51,12 +51,20 @@ def frame_rate(text: str) -> Fraction:
 
 def positive(text: str) -> float:
     """A number above 0."""
+    number = limit(text)
+    if number == 0:
+        raise ArgumentTypeError(f"`{text}` is no number above 0")
+    return number
+
+
+def limit(text: str) -> float:
+    """A number from 0 on; 0 asks for equality, as in `sunfleck diff`."""
     try:
         number = float(text)
     except ValueError:
-        number = 0.0
-    if not 0 < number < float("inf"):
-        raise ArgumentTypeError(f"`{text}` is no number above 0")
+        number = -1.0
+    if not 0 <= number < float("inf"):
+        raise ArgumentTypeError(f"`{text}` is no number from 0 on")
     return number
 
 

@@ -15,7 +15,7 @@ from ..report.html import html_report
 from ..report.text import text_report
 from ..validation import validate
 from . import FINDINGS, OK
-from .arguments import count, frame_rate, frames, positive
+from .arguments import count, frame_rate, frames, limit
 
 HELP = "says whether a sequence of frames can be trusted"
 MOST_RELMSE = 0.01
@@ -36,10 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--reference", metavar="DIR|PATTERN", type=Path, help="frames to compare with, by number"
     )
     parser.add_argument(
-        "--max-relmse", metavar="X", type=positive, help=f"against --reference ({MOST_RELMSE})"
+        "--max-relmse", metavar="X", type=limit, help=f"against --reference ({MOST_RELMSE})"
     )
     parser.add_argument(
-        "--max-flip", metavar="X", type=positive, help="the same by mean FLIP (pip install flip-evaluator)"
+        "--max-flip", metavar="X", type=limit, help="the same by mean FLIP (pip install flip-evaluator)"
     )
     parser.add_argument(
         "--skip-checks", metavar="IDS", type=_checks, default=frozenset(), help="not to run, by commas"
