@@ -76,8 +76,8 @@ def is_baked(scene):
 
 
 def changes(scene):
-    """Whether it is keyed or driven, or an object of its nodes may move."""
-    return keys.changes(scene.world)
+    """Whether it is keyed or driven, shows a film, or an object of its nodes may move."""
+    return keys.changes(scene.world) or (scene.world is not None and dependence.is_of_film(scene.world))
 
 
 def depends_on_rays(scene):
@@ -105,7 +105,8 @@ def of_world(scene, path):
     found = []
     for is_camera, stem in ((False, ""), (True, "_backdrop")):
         with world_rays.seen_by(scene.world, is_camera) as world:
-            stand_in = SimpleNamespace(world=world, sunfleck_settings=scene.sunfleck_settings, render=scene.render)
+            stand_in = SimpleNamespace(
+                world=world, sunfleck_settings=scene.sunfleck_settings, render=scene.render, frame_current_final=scene.frame_current_final)
             beside = path and Path(path).with_stem(Path(path).stem + stem)
             found.append(of_one(stand_in, beside) or {"color": [0.0, 0.0, 0.0], "strength": 1.0})
     return {**found[0], "backdrop": found[1]}
@@ -117,7 +118,7 @@ def of_one(scene, path):
         if path is None or not is_baked(scene):
             return None
         with world_sun.without_disc(scene.world) if has_sun(scene) else nullcontext(scene.world) as shown:
-            name = world_picture.beside(shown, Path(path))
+            name = world_picture.beside(shown, scene.frame_current_final, Path(path))
         if world_picture.is_black_file(Path(path).with_name(name)):
             return {"color": [0.0] * 3, "strength": 1.0}
         return {"image": quote(name), "strength": 1.0, "rotation": 0.0}

@@ -1,6 +1,6 @@
 """World of any nodes as an equirectangular picture, rendered by Cycles in an empty scene.
 
-In go a world and a path, out comes an EXR beside it. Invariant: +Y is in its centre and +X to the right,
+In go a world, a frame and a path, out comes an EXR beside it. Invariant: +Y is in its centre and +X to the right,
 sunfleck's orientation; radiances are in linear Rec. 709.
 """
 
@@ -13,7 +13,7 @@ import bpy
 import mathutils
 
 from . import keys
-from .materials import bake, colours, fingerprint
+from .materials import bake, colours, dependence, fingerprint
 from .materials.images import texels_of
 from .evaluated.geometry import digest
 
@@ -31,30 +31,31 @@ class View:
     angle: float | None = None
 
 
-def key_of(world, view=View()):
+def key_of(world, frame, view=View()):
     """Key that changes whenever the result may."""
-    how = repr((view, colours.working_space(), bpy.app.version)).encode()
-    return digest(fingerprint.of_tree(world.node_tree), how).hex()
+    of_film = frame if dependence.is_of_film(world) else None
+    how = repr((view, of_film, colours.working_space(), bpy.app.version)).encode()
+    return digest(fingerprint.of_tree(world.node_tree, frame), how).hex()
 
 
-def beside(world, path):
+def beside(world, frame, path):
     """Name of the file; renderings of the same nodes are cached. Of keyed ones no key tells what Cycles has at the frame."""
-    kept = bake.folder() / f"{key_of(world)}.exr"
+    kept = bake.folder() / f"{key_of(world, frame)}.exr"
     if keys.changes(world) or not kept.is_file():
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
             made = Path(folder) / "world.exr"
-            render(world, made)
+            render(world, frame, made)
             made.replace(kept)
     target = path.with_name(f"{path.stem}_sky.exr")
     shutil.copyfile(kept, target)
     return target.name
 
 
-def pixels(world, view):
+def pixels(world, frame, view):
     """Radiances, (rows from the bottom, columns, 3)."""
     with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
         target = Path(folder) / "world.exr"
-        render(world, target, view)
+        render(world, frame, target, view)
         image = bpy.data.images.load(str(target))
         found = texels_of(image)[..., :3]
         bpy.data.images.remove(image)
@@ -74,7 +75,7 @@ def is_black_file(path):
         bpy.data.images.remove(image)
 
 
-def render(world, target, view=View()):
+def render(world, frame, target, view=View()):
     scene = bpy.data.scenes.new("sunfleck world")
     data = bpy.data.cameras.new("sunfleck world")
     eye = bpy.data.objects.new("sunfleck world", data)
@@ -82,9 +83,9 @@ def render(world, target, view=View()):
     try:
         scene.collection.objects.link(eye)
         scene.camera, scene.world = eye, shown
-        # What the world is looked up from may move.
-        users = [one for one in bpy.data.scenes if one.world == world]
-        scene.frame_current, scene.frame_subframe = (users[0].frame_current, users[0].frame_subframe) if users else (1, 0.0)
+        # Films show their picture of the frame.
+        whole, part = divmod(frame, 1.0)
+        scene.frame_current, scene.frame_subframe = int(whole), part
         # What lights nothing needs no map of where it is bright: two fifths of the time.
         shown.cycles.sampling_method = "NONE"
         eye.rotation_euler = mathutils.Vector(view.towards).to_track_quat("-Z", "Y").to_euler()

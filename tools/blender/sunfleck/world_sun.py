@@ -67,14 +67,14 @@ def without_disc(world: bpy.types.World) -> Iterator[bpy.types.World]:
         bpy.data.worlds.remove(copy)
 
 
-def of(world: bpy.types.World | None) -> Sun | None:
-    """Sun in the sky; None without one. Results are cached by content."""
+def of(world: bpy.types.World | None, frame: float) -> Sun | None:
+    """Sun in the sky at a frame; None without one. Results are cached by content."""
     disc = disc_of(world)
     if disc is None:
         return None
-    kept = bake.folder() / f"{world_picture.key_of(world)}.sun.json"
+    kept = bake.folder() / f"{world_picture.key_of(world, frame)}.sun.json"
     if keys.changes(world) or not kept.is_file():
-        found = looked_at(world, disc)
+        found = looked_at(world, frame, disc)
         beside = kept.with_suffix(".tmp")
         beside.write_text(json.dumps(found and asdict(found)))
         beside.replace(kept)
@@ -82,14 +82,14 @@ def of(world: bpy.types.World | None) -> Sun | None:
     return Sun(**said) if said else None
 
 
-def looked_at(world: bpy.types.World, disc: bpy.types.Node) -> Sun | None:
+def looked_at(world: bpy.types.World, frame: float, disc: bpy.types.Node) -> Sun | None:
     angle = min(disc.sun_size, math.radians(60.0))
     towards = mathutils.Vector((0.0, math.cos(disc.sun_elevation), math.sin(disc.sun_elevation)))
     towards.rotate(mathutils.Euler((0.0, 0.0, -disc.sun_rotation)))
     view = world_picture.View((PIXELS, PIXELS), SAMPLES, tuple(towards), WIDTHS * angle)
-    with_disc = world_picture.pixels(world, view)
+    with_disc = world_picture.pixels(world, frame, view)
     with without_disc(world) as rest:
-        light = with_disc - world_picture.pixels(rest, view)
+        light = with_disc - world_picture.pixels(rest, frame, view)
     across = (numpy.arange(PIXELS) + 0.5) / PIXELS * 2.0 - 1.0
     x, y = numpy.meshgrid(*2 * [across * math.tan(0.5 * WIDTHS * angle)])
     # Solid angle of a pixel in a plane at distance 1, weighted by the cosine at a facing surface.

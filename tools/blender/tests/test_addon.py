@@ -486,11 +486,11 @@ class Export(Case):
         coordinates.object = turning
         world.node_tree.links.new(coordinates.outputs["Object"], mapping.inputs["Vector"])
         self.scene.view_layers[0].update()
-        before = world_picture.key_of(world)
-        self.assertEqual(world_picture.key_of(world), before)
+        before = world_picture.key_of(world, 1.0)
+        self.assertEqual(world_picture.key_of(world, 1.0), before)
         turning.rotation_euler.z = 1.0
         self.scene.view_layers[0].update()
-        self.assertNotEqual(world_picture.key_of(world), before)
+        self.assertNotEqual(world_picture.key_of(world, 1.0), before)
         self.assertFalse(keys.changes(world))
         turning.keyframe_insert("rotation_euler", frame=1)
         self.assertTrue(keys.changes(world))

@@ -175,17 +175,42 @@ class Moving(Case):
         node.object = eye
         background = next(one for one in seen.node_tree.nodes if one.type == "BACKGROUND")
         seen.node_tree.links.new(node.outputs["Object"], background.inputs["Color"])
-        keys = [world_picture.key_of(seen)]
+        keys = [world_picture.key_of(seen, self.scene.frame_current_final)]
         eye.rotation_euler.z = 1.0
         bpy.context.view_layer.update()
-        keys.append(world_picture.key_of(seen))
+        keys.append(world_picture.key_of(seen, self.scene.frame_current_final))
         self.assertFalse(world.changes(self.scene))
         eye.keyframe_insert("rotation_euler", frame=1)
         self.assertTrue(world.changes(self.scene))
         for frame in (1, 2):
             self.scene.frame_set(frame)
-            keys.append(world_picture.key_of(seen))
+            keys.append(world_picture.key_of(seen, self.scene.frame_current_final))
         self.assertEqual(len(set(keys)), 4)
+
+    def test_a_sky_of_a_film_is_that_of_the_frame(self):
+        for frame in (1, 2):
+            image = bpy.data.images.new("shade", 4, 2, float_buffer=True)
+            image.pixels.foreach_set([0.25 * frame, 0.0, 0.0, 1.0] * 8)
+            image.file_format, image.filepath_raw = "OPEN_EXR", str(self.folder / f"film_{frame:04}.exr")
+            image.save()
+        self.scene.world = seen = bpy.data.worlds.new("world")
+        if not seen.node_tree:
+            seen.use_nodes = True
+        tree = seen.node_tree
+        film = tree.nodes.new("ShaderNodeTexEnvironment")
+        film.image = bpy.data.images.load(str(self.folder / "film_0001.exr"))
+        film.image.source, film.image_user.frame_duration, film.image_user.use_auto_refresh = "SEQUENCE", 2, True
+        background = next(one for one in tree.nodes if one.type == "BACKGROUND")
+        tree.links.new(film.outputs["Color"], background.inputs["Color"])
+        view, keys = world_picture.View((16, 8), 1), set()
+        for frame in (1, 2):
+            self.scene.frame_set(frame)
+            keys.add(world_picture.key_of(seen, frame))
+            # No scene has the copy.
+            found = world_picture.pixels(seen.copy(), self.scene.frame_current_final, view)
+            self.assertAlmostEqual(found[4, 8, 0], 0.25 * frame, 3)
+        self.assertEqual(len(keys), 2)
+        self.assertTrue(world.changes(self.scene))
 
     def test_fog_without_a_side_is_not_there(self):
         box = scenes.add(self.scene, "box", None)

@@ -62,7 +62,7 @@ class Job:
 
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
-        self.library, self.shutter = Library(film.exposure(scene), only == scene.frame_current), Shutter.of(scene, only is not None)
+        self.library, self.shutter = Library(film.exposure(scene), only == scene.frame_current, scene.frame_current_final), Shutter.of(scene, only is not None)
         self.values = Values(scene, self.shutter)
         self.library.changes.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
@@ -116,7 +116,7 @@ class Job:
 
 def finish(scene, assembly, library, values, only):
     """Adds the scene's properties, and all keys."""
-    sun = world_sun.of(scene.world) if world.has_sun(scene) else None
+    sun = world_sun.of(scene.world, scene.frame_current_final) if world.has_sun(scene) else None
     if sun:
         world_sun.add(assembly.document, sun, film.exposure(scene))
         assembly.suns_of_sky = 1

@@ -40,10 +40,10 @@ class Pixels:
 
 
 class Baker:
-    """Bakes a material; `heed` raises to cancel."""
+    """Bakes a material as at a frame; `heed` raises to cancel."""
 
-    def __init__(self, material, canvas, heed=nobody):
-        self.material, self.canvas, self.heed = material, canvas, heed
+    def __init__(self, material, canvas, frame, heed=nobody):
+        self.material, self.canvas, self.frame, self.heed = material, canvas, frame, heed
         self.losses = []
 
     def surface(self):
@@ -71,7 +71,7 @@ class Baker:
         if not baked:
             return found
         how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
-        key = digest(of_tree(self.material.node_tree), self.canvas.key(), how)
+        key = digest(of_tree(self.material.node_tree, self.frame), self.canvas.key(), how)
         kept = folder() / f"{key.hex()}.npz"
         # A key identifies only one of several files of a picture.
         is_known = not dependence.is_of_film(self.material, {"SEQUENCE", "MOVIE", "TILED"})
@@ -79,7 +79,7 @@ class Baker:
             with numpy.load(kept) as file:
                 made = {name: file[name] for name in file.files}
         else:
-            with Stage(copy, self.canvas) as stage:
+            with Stage(copy, self.canvas, self.frame) as stage:
                 made = {name: self.baked(stage, copy, name, parts) for name in baked}
             if is_known:
                 keep(kept, made)

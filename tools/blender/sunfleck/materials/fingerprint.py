@@ -1,6 +1,6 @@
 """Fingerprint of a node tree, which changes whenever its result may.
 
-In goes a tree, out come bytes. Invariant: they cover all settings of nodes, sockets, ramps, curves, links,
+In go a tree and a frame, out come bytes. Invariant: they cover all settings of nodes, sockets, ramps, curves, links,
 groups and images.
 """
 
@@ -20,9 +20,9 @@ PASSED_OVER = {
 }
 
 
-def of_tree(tree: bpy.types.NodeTree, seen: tuple[bpy.types.NodeTree, ...] = ()) -> bytes:
+def of_tree(tree: bpy.types.NodeTree, frame: float, seen: tuple[bpy.types.NodeTree, ...] = ()) -> bytes:
     names = {node.name: number for number, node in enumerate(tree.nodes)}
-    told = [(node.bl_idname, [*settings(node, (*seen, tree))], [*values(node)]) for node in tree.nodes]
+    told = [(node.bl_idname, [*settings(node, frame, (*seen, tree))], [*values(node, frame)]) for node in tree.nodes]
     links = sorted(
         (names[link.from_node.name], link.from_socket.identifier, names[link.to_node.name], link.to_socket.identifier, link.is_muted)
         for link in tree.links
@@ -30,21 +30,21 @@ def of_tree(tree: bpy.types.NodeTree, seen: tuple[bpy.types.NodeTree, ...] = ())
     return repr((told, links)).encode()
 
 
-def settings(node: bpy.types.Node, seen: tuple[bpy.types.NodeTree, ...]) -> Iterator[tuple[str, Any]]:
+def settings(node: bpy.types.Node, frame: float, seen: tuple[bpy.types.NodeTree, ...]) -> Iterator[tuple[str, Any]]:
     """Settings of a node."""
     for prop in node.bl_rna.properties:
         if prop.identifier in PASSED_OVER or prop.identifier.startswith("bl_"):
             continue
-        yield prop.identifier, told(getattr(node, prop.identifier), seen)
+        yield prop.identifier, told(getattr(node, prop.identifier), frame, seen)
 
 
-def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
+def told(value: Any, frame: float, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
     if isinstance(value, (bool, int, float, str, type(None))):
         return value
     if isinstance(value, bpy.types.Image):
         return of_image(value)
     if isinstance(value, bpy.types.NodeTree):
-        return "again" if value in seen else of_tree(value, seen)
+        return "again" if value in seen else of_tree(value, frame, seen)
     if isinstance(value, bpy.types.ColorRamp):
         stops = [(stop.position, *stop.color) for stop in value.elements]
         return stops, value.interpolation, value.color_mode, value.hue_interpolation
@@ -55,19 +55,18 @@ def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
         return [*value.translation, *value.rotation, *value.scale, value.mapping_x, value.mapping_y, value.mapping_z, value.vector_type]
     if isinstance(value, bpy.types.Object):
         # In a render of a sequence, Blender leaves placements as they were before it.
-        frames = [scene.frame_current_final for scene in value.users_scene] if moves(value) else []
-        return value.name_full, [tuple(row) for row in value.matrix_world], frames
+        return value.name_full, [tuple(row) for row in value.matrix_world], frame if moves(value) else None
     if isinstance(value, bpy.types.ID):
         return value.name_full
     return tuple(value) if hasattr(value, "__len__") and not hasattr(value, "bl_rna") else None
 
 
-def values(node: bpy.types.Node) -> Iterator[tuple[str, Any]]:
+def values(node: bpy.types.Node, frame: float) -> Iterator[tuple[str, Any]]:
     for socket in node.inputs:
         value: Any = getattr(socket, "default_value", None)
         yield (
             socket.identifier,
-            tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, ()),
+            tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, frame, ()),
         )
     if node.type in {"RGB", "VALUE"}:
         value = node.outputs[0].default_value

@@ -30,9 +30,9 @@ MOST_MESHES = 64
 class Library:
     """Materials of a document."""
 
-    def __init__(self, exposure=1.0, is_still=False):
-        # Factor on emission. In a still, movies show their current frame, and nothing changes.
-        self.exposure, self.is_still = exposure, is_still
+    def __init__(self, exposure, is_still, frame):
+        # Factor on emission. In a still, movies show their current frame, and nothing changes. Bakes are of a frame.
+        self.exposure, self.is_still, self.frame = exposure, is_still, frame
         # Raises to cancel.
         self.heed = nobody
         self.looks, self.numbers, self.changes = {}, {}, Changes(exposure)
@@ -222,7 +222,7 @@ class Library:
             look.losses = sorted({*look.losses, "mean-colours"})
             return look.mean
         try:
-            surface = bake.Baker(material, canvas, self.heed).surface()
+            surface = bake.Baker(material, canvas, self.frame, self.heed).surface()
         except (NotSimple, RuntimeError, TypeError) as error:
             look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
             return DEFAULT

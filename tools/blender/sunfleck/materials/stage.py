@@ -47,14 +47,15 @@ def size_on(geometry, has_lines=False):
 class Stage:
     """A scene of its own with the mesh, or the unit square, and an image to bake into."""
 
-    def __init__(self, material, canvas):
-        self.material, self.canvas, self.size = material, canvas, canvas.texels
+    def __init__(self, material, canvas, frame):
+        self.material, self.canvas, self.frame, self.size = material, canvas, frame, canvas.texels
 
     def __enter__(self):
         self.scene = bpy.data.scenes.new("sunfleck bake")
         self.scene.render.engine = "CYCLES"
         # Films show their picture of the frame at hand.
-        self.scene.frame_set(bpy.context.scene.frame_current)
+        whole, part = divmod(self.frame, 1.0)
+        self.scene.frame_set(int(whole), subframe=part)
         is_even = self.size == FINE and not any(node.type in BY_RAYS for node in dependence.nodes_of(self.material))
         self.scene.cycles.samples, self.scene.cycles.use_denoising = 1 if is_even else SAMPLES, False
         self.scene.render.bake.margin = MARGIN_TEXELS
