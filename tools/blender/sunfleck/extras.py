@@ -109,8 +109,8 @@ def sky(scene, path):
     return {"lights": world.lights(scene), **found, **unseen}
 
 
-def of_object(thing, scene, path=None):
-    """Custom properties of an object in a scene; images are written beside `path`."""
+def of_object(thing, scene, path=None, exposure=None):
+    """Custom properties of an object in a scene; images are written beside `path`. Light is times `exposure`, else the scene's."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
         volume = {"shape": "box", **fog.numbers(thing)}
@@ -122,7 +122,8 @@ def of_object(thing, scene, path=None):
     if own.use_leaf_id:
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
-        written["sunfleck_light"] = {**by_hand(thing).get("sunfleck_light", {}), **light(thing, film.exposure(scene))}
+        exposure = film.exposure(scene) if exposure is None else exposure
+        written["sunfleck_light"] = {**by_hand(thing).get("sunfleck_light", {}), **light(thing, exposure)}
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name_full)
             written["sunfleck_light"]["image"] = quote(name)

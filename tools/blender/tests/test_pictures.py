@@ -274,6 +274,7 @@ class Pictures(Case):
         scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
         area = scenes.add(self.scene, "area", bpy.data.lights.new("area", "AREA")).data
         stages.key(area, "energy", (10.0, 20.0))
+        scenes.add(self.scene, "still", bpy.data.lights.new("still", "AREA"))
         material = bpy.data.materials["quad"]
         glow = material.node_tree.nodes["Principled BSDF"].inputs
         glow["Emission Color"].default_value, glow["Emission Strength"].default_value = (1.0, 0.5, 0.1, 1.0), 0.8

@@ -35,7 +35,9 @@ SCENE, VIEW = "the scene", "the view"
 class Stays:
     """What is the same in every frame of a file."""
 
-    def __init__(self):
+    def __init__(self, scene):
+        # During a walk, the scene has the walk's own engine.
+        self.is_left_to_blender = world.is_left_to_blender(scene)
         self.first, self.lost, self.eyes = {}, set(), []
         # Leaf ids are of surfaces, which are many: of those whose panel is keyed or driven.
         self.keyed = [
@@ -55,8 +57,10 @@ class Stays:
     def of_scene(self, graph):
         """The panels' settings; `check` knows whether a world is keyed."""
         scene, own = graph.scene_eval, graph.scene_eval.sunfleck_settings
-        sky = {"lights": world.lights(scene), "world": world.is_sky(scene), "visible_to_camera": not scene.render.film_transparent}
-        if not world.is_sky(scene):
+        is_sky = self.is_left_to_blender or own.use_world
+        lights = None if self.is_left_to_blender else own.sky_lights
+        sky = {"lights": lights, "world": is_sky, "visible_to_camera": not scene.render.film_transparent}
+        if not is_sky:
             sky |= {"color": tuple(own.background_color), "strength": own.background_strength}
         self.see(SCENE, {"sunfleck": extras.settings(scene)})
         self.see("the sky", {"sunfleck_env": sky})
@@ -66,8 +70,8 @@ class Stays:
             own = thing.evaluated_get(graph).sunfleck_settings
             self.see(f"`{thing.name}`", {"panel.leaf_id": own.leaf_id if own.use_leaf_id else None}, "leaf")
 
-    def of_object(self, key, thing, scene):
-        said = of_camera(thing, scene) if thing.type == "CAMERA" else extras.of_object(thing, scene)
+    def of_object(self, key, thing, scene, exposure):
+        said = of_camera(thing, scene) if thing.type == "CAMERA" else extras.of_object(thing, scene, exposure=exposure)
         said.pop("leaf_id", None)
         self.see(f"`{thing.name}`", said, key)
 

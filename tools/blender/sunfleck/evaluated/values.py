@@ -33,6 +33,7 @@ class Values:
     """Values with their times."""
 
     def __init__(self, scene, shutter):
+        # By the engine that the scene has before the walk sets its own.
         self.scene, self.shutter, self.exposure = scene, shutter, film.exposure(scene)
         self.lights, self.cameras = {}, {}
         # Custom properties of lights and fog at their first appearance.
@@ -42,7 +43,7 @@ class Values:
         # Names of fogs whose own material counts in some frames alone.
         self.otherwise = set()
         # Fog everywhere, as it is first; and what is found to change and has no track.
-        self.fog, self.stays = None, Stays()
+        self.fog, self.stays = None, Stays(scene)
         # By owner (an object's key, or "scene") and field: frames and values.
         self.tracks = {}
 
@@ -75,10 +76,10 @@ class Values:
         """Records an evaluated object without a surface; zooms within the shutter too."""
         own = thing.sunfleck_settings
         if offset == 0.0:
-            self.stays.of_object(key, thing, self.scene)
+            self.stays.of_object(key, thing, self.scene, self.exposure)
         frame += offset
         if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
-            self.said[key] = extras.of_object(thing, self.scene)
+            self.said[key] = extras.of_object(thing, self.scene, exposure=self.exposure)
         if own.is_fog:
             self.otherwise |= {thing.name} if fog.is_lost(thing) else set()
             found = fog.numbers(thing)
