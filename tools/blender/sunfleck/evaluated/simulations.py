@@ -5,7 +5,9 @@ by frame. So it evaluates all frames first, with simulated objects visible. Inva
 restored afterwards.
 """
 
+from collections import deque
 from contextlib import contextmanager
+from functools import cache
 
 import bpy
 
@@ -25,7 +27,9 @@ def objects(scene):
     while scene is not None:
         things += scene.objects
         scene = scene.background_set
-    return filter(simulates, with_those(things, shown_by))
+    # Many objects share a group of nodes.
+    named, steps = cache(named_in), cache(has_zone)
+    return (one for one in with_those(things, lambda thing: shown_by(thing, named)) if simulates(one, steps))
 
 
 def with_instanced(things, is_there=lambda thing: True):
@@ -34,18 +38,23 @@ def with_instanced(things, is_there=lambda thing: True):
 
 
 def with_those(things, shown, is_there=lambda thing: True):
-    seen, waiting = set(), list(things)
+    """Objects and what they show, breadth first, each once."""
+    seen, waiting = set(), deque(things)
     while waiting:
-        thing = waiting.pop(0)
+        thing = waiting.popleft()
         if thing in seen or not is_there(thing):
             continue
         seen.add(thing)
         yield thing
         for one in shown(thing):
-            waiting += [one] if isinstance(one, bpy.types.Object) else one.all_objects if isinstance(one, bpy.types.Collection) else ()
+            if isinstance(one, bpy.types.Object):
+                waiting.append(one)
+            elif isinstance(one, bpy.types.Collection) and one not in seen:
+                seen.add(one)
+                waiting.extend(one.all_objects)
 
 
-def shown_by(thing):
+def shown_by(thing, named):
     """Objects and collections that an object shows, or that its nodes ask for; and what else these ask for."""
     if thing.instance_type == "COLLECTION":
         yield thing.instance_collection
@@ -55,8 +64,13 @@ def shown_by(thing):
     for modifier in thing.modifiers:
         if modifier.type == "NODES" and modifier.node_group is not None:
             yield from inputs_of(modifier)
-            sockets = (socket for tree in trees_of(modifier.node_group) for node in tree.nodes for socket in node.inputs)
-            yield from (socket.default_value for socket in sockets if socket.type in {"OBJECT", "COLLECTION"})
+            yield from named(modifier.node_group)
+
+
+def named_in(group):
+    """Objects and collections that sockets of nodes name."""
+    sockets = (socket for tree in trees_of(group) for node in tree.nodes for socket in node.inputs)
+    return [socket.default_value for socket in sockets if socket.type in {"OBJECT", "COLLECTION"}]
 
 
 def inputs_of(modifier):
@@ -67,20 +81,23 @@ def inputs_of(modifier):
     return [getattr(getattr(inputs, one.identifier), "value", None) for one in inputs.bl_rna.properties if one.type == "POINTER"]
 
 
-def simulates(thing):
-    return any(modifier.type in PHYSICS or is_stepped(modifier) for modifier in thing.modifiers)
+def simulates(thing, steps):
+    return any(is_simulated(modifier, steps) for modifier in thing.modifiers)
 
 
-def is_stepped(modifier):
+def is_simulated(modifier, steps):
+    return modifier.type in PHYSICS or (modifier.type == "NODES" and steps(modifier.node_group))
+
+
+def has_zone(group):
     """Whether nodes, or a group of theirs, have a simulation zone."""
-    trees = trees_of(modifier.node_group) if modifier.type == "NODES" else ()
-    return any(node.bl_idname == "GeometryNodeSimulationOutput" for tree in trees for node in tree.nodes)
+    return any(node.bl_idname == "GeometryNodeSimulationOutput" for tree in trees_of(group) for node in tree.nodes)
 
 
 @contextmanager
 def run(scene, layer, frames):
     """Caches stay full during the block; any change of visibility would empty them."""
-    switched = []
+    switched, steps = [], cache(has_zone)
 
     def switch(owner, name, value):
         if getattr(owner, name) != value:
@@ -91,12 +108,12 @@ def run(scene, layer, frames):
         for thing in objects(scene):
             switch(thing, "hide_viewport", False)
             for modifier in thing.modifiers:
-                if modifier.show_render and (modifier.type in PHYSICS or is_stepped(modifier)):
+                if modifier.show_render and is_simulated(modifier, steps):
                     switch(modifier, "show_viewport", True)
             for collection in thing.users_collection:
                 switch(collection, "hide_viewport", False)
         for collection in layer_collections(layer.layer_collection):
-            if any(simulates(thing) for thing in collection.collection.objects):
+            if any(simulates(thing, steps) for thing in collection.collection.objects):
                 switch(collection, "hide_viewport", False)
         forget_skipped(scene)
         for frame in frames:
