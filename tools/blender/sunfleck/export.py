@@ -43,18 +43,17 @@ def exported(scene, path, only=None):
         raise NotExportable(f"{path} is not the name of a .glb file, which is what is written: let it end in .glb")
     findings = check.check(scene)
     refuse(findings)
+
+    def judge(shown):
+        findings.extend(check.of_shown(shown, scene))
+        refuse(findings)
+
     try:
         extras.store(scene, path)
-        made = scenes.export(scene, path, only)
+        made = scenes.export(scene, path, judge, only)
     # Blender raises `RuntimeError` with a message for users, for example about unwritable pictures.
     except (walk.Stopped, OSError, RuntimeError) as problem:
         raise NotExportable(str(problem).strip()) from problem
-    findings += check.of_shown(made.record.originals(), scene)
-    try:
-        refuse(findings)
-    except NotExportable:
-        Path(path).unlink()
-        raise
     expected, differences = made.compared(File(path))
     return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 

@@ -20,6 +20,7 @@ from sunfleck.evaluated import scenes as scenes_of_export
 from sunfleck.evaluated import walk
 from sunfleck.evaluated.document import Document
 from sunfleck.frames import NUMBERED
+from sunfleck.losses import Finding
 from test_addon import PROGRAM, Case, document
 
 
@@ -111,6 +112,13 @@ class Refused(Case):
         self.scene.camera = light("SPOT")
         with self.assertRaisesRegex(export.NotExportable, "camera-other"):
             export.export(self.scene, self.folder / "scene.glb")
+
+    def test_what_is_refused_leaves_the_earlier_file(self):
+        path, refused = self.folder / "scene.glb", [Finding("camera-other", "`seen`")]
+        path.write_bytes(b"earlier")
+        with mock.patch.object(check, "of_shown", return_value=refused), self.assertRaisesRegex(export.NotExportable, "camera-other"):
+            export.export(self.scene, path)
+        self.assertEqual(path.read_bytes(), b"earlier")
 
     def test_a_file_is_written_whole_or_not_at_all(self):
         made, path = Document(), self.folder / "scene.glb"

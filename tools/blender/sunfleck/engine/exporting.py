@@ -130,12 +130,12 @@ def anew(engine, graph, path):
         with scenes.Job(scene, frame) as job:
             job.record.capture.heed = engine.heed
             see(engine, graph, job)
+            findings += check.of_shown(job.record.originals(), scene)
+            refuse(findings)
             said = {**by_hand(scene), **extras.of_scene(scene, path)}
             made = job.written(path, graph.view_layer, copy.deepcopy(said))
     except (OSError, RuntimeError) as problem:
         raise NotRendered(str(problem).strip()) from problem
-    findings += check.of_shown(made.record.originals(), scene)
-    refuse(findings)
     findings = [one for one in findings if one.id not in DONE_BY_BLENDER | OF_EACH_FRAME]
     return Kept(path, graph, made, ordered([*findings, *made.findings]), said)
 

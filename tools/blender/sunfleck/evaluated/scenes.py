@@ -50,10 +50,11 @@ class Exported:
         ]
 
 
-def export(scene, path, only=None):
-    """Writes the file, with all frames or a single one."""
+def export(scene, path, judge, only=None):
+    """Writes the file, with all frames or a single one; `judge` gets all objects that were seen, and raises to refuse."""
     with Job(scene, only) as job:
         walk.walk(scene, job.frames, job.shutter, job)
+        judge(job.record.originals())
         return job.written(path, walk.view_layer(scene), custom(scene))
 
 
