@@ -1,6 +1,7 @@
 """The render engine: F12, without a window, in the Blender that runs this."""
 
 import json
+import math
 import os
 import socket
 import subprocess
@@ -391,6 +392,7 @@ class Engine(unittest.TestCase):
         def build(scene):
             quad, other = scene.objects["quad"], stages.quad(scene, "other")
             other.location = (0.4, 0.0, 0.5)
+            fog = scenes.fog_box(scene)
             stages.key(other, "hide_render", (False, True), frames=(1, 3))
             scene.frame_set(1)
             clay = bpy.data.materials.new("clay")
@@ -401,6 +403,8 @@ class Engine(unittest.TestCase):
             yield lambda: setattr(color, "default_value", (0.0, 1.0, 0.0, 1.0))
             yield lambda: setattr(scene.view_layers[0], "material_override", clay)
             yield lambda: scene.frame_set(1)
+            yield lambda: setattr(other.location, "x", math.nan)
+            yield lambda: setattr(fog, "scale", (0.0, 0.0, 0.0))
 
         self.assert_kept_as_made_anew(build, 1)
 

@@ -8,6 +8,7 @@ import copy
 from types import SimpleNamespace
 
 import bpy
+import numpy
 
 from .. import check, extras
 from ..evaluated import lights, places, scenes
@@ -37,6 +38,8 @@ def put(graph, kept):
         return False
     nodes, apart = assembly.nodes, (matrices != record.all_matrices).any(axis=(1, 2))
     moved = [(key, thing) for key, thing in record.things.items() if key in nodes and apart[thing.rows[0]]]
+    if not all(has_place(thing, matrices[thing.rows[0]]) for _, thing in moved):
+        return False
     there = places.each(turned(matrices[[thing.rows[0] for _, thing in moved]].astype(float), [one for _, one in moved]))
     if any(key in assembly.sheared or one.inner is not None for (key, _), one in zip(moved, there)):
         return False
@@ -85,6 +88,11 @@ def is_the_same(graph, record, changed):
 def matrices_of(graph):
     seen = graph.object_instances
     return numbers(seen, "matrix_world", (len(seen), 4, 4), "f4").swapaxes(1, 2)
+
+
+def has_place(thing, matrix):
+    """Whether a new export would have it there, as `Record.visit` decides."""
+    return bool(numpy.isfinite(matrix).all()) and (thing.kind != "FOG" or bool(matrix[:3, :3].any()))
 
 
 def move(node, place):
