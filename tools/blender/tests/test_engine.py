@@ -367,7 +367,7 @@ class Engine(unittest.TestCase):
         def build(scene):
             lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "AREA"), (0.0, -1.0, 2.0), (0.0, 0.0, 0.0))
             lamp.data.energy, lamp.data.size = 20.0, 0.5
-            sun = scene.objects["sun"]
+            sun, scene.cycles.film_exposure = scene.objects["sun"], 1.5
             stages.moving(scene.objects["quad"])
             yield lambda: setattr(sun.data, "energy", 0.5)
             yield lambda: setattr(lamp.data, "energy", 80.0)

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import bpy
 import numpy
 
-from .. import check, extras
+from .. import check, extras, film
 from ..evaluated import lights, places, scenes
 from ..evaluated.assemble import turned
 from ..evaluated.attributes import numbers
@@ -117,7 +117,7 @@ def tell(graph, assembly, key, thing, path):
         node["extras"] = written
     if thing.kind == "LIGHT":
         node.pop("extensions", None)
-        assembly.shine(node, thing, SimpleNamespace(punctual=lights.punctual(evaluated.data)))
+        assembly.shine(node, thing, SimpleNamespace(punctual=lights.punctual(evaluated.data, film.exposure(graph.scene))))
 
 
 def put_frame(graph, kept):
