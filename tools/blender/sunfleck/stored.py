@@ -8,6 +8,12 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
+# Add-ons before this stored a light's property as a whole; these are the fields that they may have written.
+OF_LIGHTS = (
+    "type", "shape", "size", "power_w", "strength_w_m2", "color", "spread", "angle", "radius", "soft_falloff", "shines_inward",
+    "visible_to_camera", "visible_in_mirrors", "limb_darkening", "fractal", "picture_rotation", "image",
+)
+
 
 def custom(owner: Any) -> dict[str, Any]:
     """All custom properties that JSON can hold."""
@@ -45,7 +51,10 @@ def is_by_hand(owner: Any, name: str) -> bool:
 def of_exports(owner: Any) -> set[str]:
     """Names of properties, or of their fields as `name.field`, that the last export wrote."""
     own = getattr(owner, "sunfleck_settings", None)
-    return set(own.stored.split()) if own is not None else set()
+    found = set(own.stored.split()) if own is not None else set()
+    if "sunfleck_light" in found:
+        found = found - {"sunfleck_light"} | {f"sunfleck_light.{field}" for field in OF_LIGHTS}
+    return found
 
 
 def put(owner: Any, written: dict[str, Any]) -> None:

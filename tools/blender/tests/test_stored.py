@@ -52,6 +52,15 @@ class Left(Case):
         fresh = extras.light(lamp, 1.0)
         self.assertEqual(self.said(lamp)["sunfleck_light"], {"my_field": 3, **fresh})
 
+    def test_a_field_by_hand_stays_though_an_earlier_add_on_stored_names_of_whole_properties(self):
+        lamp = light("AREA")
+        lamp["sunfleck_light"] = {**extras.light(lamp, 1.0), "casts_shafts": False}
+        lamp.sunfleck_settings.stored = "sunfleck_light"
+        lamp.data.type = "POINT"
+        for _ in range(2):
+            self.assertEqual(self.said(lamp)["sunfleck_light"], {"casts_shafts": False, **extras.light(lamp, 1.0)})
+            extras.store(self.scene)
+
     def test_a_sky_by_hand_stays(self):
         self.scene["sunfleck_env"] = {"color": [0.1, 0.2, 0.3], "strength": 1.0}
         extras.store(self.scene)
