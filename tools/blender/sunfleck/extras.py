@@ -11,7 +11,7 @@ from . import film, fog, world
 from .evaluated import lights
 from .evaluated.moments import OFFSETS
 from .materials.colours import rec709
-from .stored import by_hand, is_by_hand, put
+from .stored import fields_by_hand, is_by_hand, put
 
 # Shapes of Blender's area lights in sunfleck.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
@@ -123,7 +123,7 @@ def of_object(thing, scene, path=None, exposure=None):
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
         exposure = film.exposure(scene) if exposure is None else exposure
-        written["sunfleck_light"] = {**by_hand(thing).get("sunfleck_light", {}), **light(thing, exposure)}
+        written["sunfleck_light"] = {**fields_by_hand(thing, "sunfleck_light"), **light(thing, exposure)}
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name_full)
             written["sunfleck_light"]["image"] = quote(name)

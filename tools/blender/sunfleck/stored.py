@@ -43,6 +43,16 @@ def by_hand(owner: Any) -> dict[str, Any]:
     return found
 
 
+def fields_by_hand(owner: Any, name: str) -> dict[str, Any]:
+    """Fields of a property that no export wrote."""
+    return fields(by_hand(owner).get(name))
+
+
+def fields(value: Any) -> dict[str, Any]:
+    """Those of a dictionary; what else is written by hand has none."""
+    return value if isinstance(value, dict) else {}
+
+
 def is_by_hand(owner: Any, name: str) -> bool:
     """Whether there is a property of that name that no export wrote."""
     return name in owner and name not in {one.split(".")[0] for one in of_exports(owner)}
@@ -77,5 +87,5 @@ def names(written: dict[str, Any], kept: dict[str, Any]) -> Iterator[str]:
         if not isinstance(value, dict):
             yield name
             continue
-        by_others = kept.get(name, {})
+        by_others = fields(kept.get(name))
         yield from (f"{name}.{field}" for field, one in value.items() if field not in by_others or by_others[field] != one)

@@ -61,6 +61,12 @@ class Left(Case):
             self.assertEqual(self.said(lamp)["sunfleck_light"], {"casts_shafts": False, **extras.light(lamp, 1.0)})
             extras.store(self.scene)
 
+    def test_a_light_may_have_any_property_by_hand(self):
+        lamp, empty = light("POINT"), scenes.add(self.scene, "empty", None)
+        lamp["sunfleck_light"] = empty["sunfleck_light"] = 3
+        self.assertEqual(self.said(lamp)["sunfleck_light"], extras.light(lamp, 1.0))
+        export.exported(self.scene, self.folder / "scene.glb")
+
     def test_a_sky_by_hand_stays(self):
         self.scene["sunfleck_env"] = {"color": [0.1, 0.2, 0.3], "strength": 1.0}
         extras.store(self.scene)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy
 
+from ..stored import fields
+
 # Tolerances for rounding and thinned keys: relative areas, relative extents, and metres.
 AREA = 1e-4
 BOUNDS_M = 1e-4
@@ -125,7 +127,7 @@ def of_file(file, frames):
     for index, node in enumerate(file.nodes):
         is_lamp = (
             "KHR_lights_punctual" in node.get("extensions", {})
-            or node.get("extras", {}).get("sunfleck_light", {}).get("type") == "area"
+            or fields(node.get("extras", {}).get("sunfleck_light")).get("type") == "area"
         )
         counts.lights += visible[index] & is_lamp
         if "mesh" not in node or not visible[index].any():

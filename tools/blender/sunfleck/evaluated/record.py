@@ -11,7 +11,7 @@ import numpy
 
 from ..film import is_a_portal, of_cycles
 from ..materials import instances
-from ..stored import by_hand, is_by_hand
+from ..stored import fields_by_hand, is_by_hand
 from .attributes import numbers
 from .capture import Capture
 from .moments import steps_of
@@ -230,7 +230,7 @@ class Record:
 
 def is_light(kind, thing):
     """Whether the file has it as a light: area lights may be empties with a property by hand, as the import makes them."""
-    is_area = is_by_hand(thing, "sunfleck_light") and by_hand(thing)["sunfleck_light"].get("type") == "area"
+    is_area = is_by_hand(thing, "sunfleck_light") and fields_by_hand(thing, "sunfleck_light").get("type") == "area"
     return kind == "LIGHT" or (is_area and thing.type != "LIGHT")
 
 
