@@ -235,6 +235,22 @@ class Moving(Case):
         self.assertEqual(len(keys), 2)
         self.assertTrue(world.changes(self.scene))
 
+    def test_fog_of_the_world_is_missed_where_the_panels_is_switched_on(self):
+        self.scene.world = seen = bpy.data.worlds.new("world")
+        if not seen.node_tree:
+            seen.use_nodes = True
+        tree = seen.node_tree
+        scatter = tree.nodes.new("ShaderNodeVolumeScatter")
+        tree.links.new(scatter.outputs[0], tree.get_output_node("CYCLES").inputs["Volume"])
+        own, self.scene.frame_end = self.scene.sunfleck_settings, 2
+        for switched in (False, True):
+            own.use_fog = False
+            for frame in (1, 2) if switched else ():
+                own.use_fog = frame == 2
+                own.keyframe_insert("use_fog", frame=frame)
+            found = {(one.id, one.of) for one in export.exported(self.scene, self.folder / "scene.glb").findings}
+            self.assertEqual(("settings-change", "`volume` of the world") in found, switched)
+
     def test_fog_without_a_side_is_not_there(self):
         box = scenes.add(self.scene, "box", None)
         box.sunfleck_settings.is_fog = True

@@ -6,7 +6,7 @@ two frames has a track or a finding.
 
 import bpy
 
-from .. import extras, keys, world
+from .. import extras, fog, keys, world
 from ..losses import Finding
 
 # Fields with tracks (`values`), where a file has them at all frames.
@@ -39,6 +39,8 @@ class Stays:
         # During a walk, the scene has the walk's own engine.
         self.is_left_to_blender = world.is_left_to_blender(scene)
         self.first, self.lost, self.eyes = {}, set(), []
+        # Whose fog is everywhere: a file has the panel's, if any frame does.
+        self.fogs = set()
         # Leaf ids are of surfaces, which are many: of those whose panel is keyed or driven.
         self.keyed = [
             thing for thing in bpy.data.objects
@@ -66,6 +68,7 @@ class Stays:
         self.see("the sky", {"sunfleck_env": sky})
         if own.use_fog:
             self.see("fog everywhere", {"sunfleck_fog": extras.fog_everywhere(scene)})
+        self.fogs.add("panel" if own.use_fog else "world" if fog.of_world(scene) else "none")
         for thing in self.keyed:
             own = thing.evaluated_get(graph).sunfleck_settings
             self.see(f"`{thing.name}`", {"panel.leaf_id": own.leaf_id if own.use_leaf_id else None}, "leaf")
@@ -81,6 +84,8 @@ class Stays:
         self.see(VIEW, of_camera(evaluated, scene))
 
     def findings(self):
+        if self.fogs >= {"panel", "world"}:
+            yield Finding("settings-change", "`volume` of the world")
         are_cuts = len(set(self.eyes)) > 1
         for name, field in sorted(self.lost):
             if name == VIEW:
