@@ -188,6 +188,28 @@ class Cuts(Case):
         )
 
 
+class Held(Case):
+    def setUp(self):
+        super().setUp()
+        render = self.scene.render
+        render.use_motion_blur, render.motion_blur_shutter, render.motion_blur_position = True, 0.5, "CENTER"
+
+    def walked(self):
+        with scenes_of_export.Job(self.scene) as job:
+            walk.walk(self.scene, job.frames, job.shutter, job)
+        return job
+
+    def test_hair_with_the_name_of_its_mesh_is_held_apart_from_it(self):
+        quad = scenes.quad(self.scene, "quad", 1.0, None)
+        quad.modifiers.new("Fur", "PARTICLE_SYSTEM")
+        system, quad.data.name = quad.particle_systems[0], "Fur"
+        system.name, system.settings.type, system.settings.count = "Fur", "HAIR", 4
+        quad.cycles.use_deform_motion = False
+        shown = [thing.shown for thing in self.walked().record.things.values()]
+        self.assertEqual([len(set(one)) for one in shown], [1, 1])
+        self.assertNotEqual(shown[0][0], shown[1][0])
+
+
 class Moving(Case):
     def test_a_world_that_is_looked_up_from_an_object_is_another_once_that_has_moved(self):
         eye = scenes.add(self.scene, "eye", None)

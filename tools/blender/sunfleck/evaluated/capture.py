@@ -64,23 +64,23 @@ class Capture:
         that of its system."""
         self.size = abs(instance.matrix_world.determinant()) ** (1.0 / 3.0)
         if instance.show_self:
-            found = self.at_frame(source, thing.data.name, lambda: self.surface(thing, source))
+            found = self.at_frame(source, ("surface", thing.data.name), lambda: self.surface(thing, source))
             if found is not None:
                 yield "", found
         if instance.show_particles and thing.particle_systems:
             for system in thing.particle_systems:
                 if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-                    found = self.at_frame(source, system.name, lambda: self.hair(thing, source, system))
+                    found = self.at_frame(source, ("hair", system.name), lambda: self.hair(thing, source, system))
                     if found is not None:
                         yield system.name, found
 
-    def at_frame(self, source, name, captured):
-        """What is captured now, or was at the frame if its deformation is not blurred."""
+    def at_frame(self, source, part, captured):
+        """What is captured now, or was at the frame if its deformation is not blurred; parts have a kind and a name."""
         if source.bends:
             return captured()
-        if not self.is_held or (source.names, name) not in self.stiff:
-            self.stiff[source.names, name] = captured()
-        return self.stiff[source.names, name]
+        if not self.is_held or (source.names, part) not in self.stiff:
+            self.stiff[source.names, part] = captured()
+        return self.stiff[source.names, part]
 
     def surface(self, thing, source):
         """Index of an object's geometry and its materials; None for nothing."""
