@@ -209,6 +209,18 @@ class Held(Case):
         self.assertEqual([len(set(one)) for one in shown], [1, 1])
         self.assertNotEqual(shown[0][0], shown[1][0])
 
+    def test_a_camera_that_is_nowhere_at_the_frame_is_not_held(self):
+        eyes = [scenes.camera(self.scene, (x, -6.0, 2.0)) for x in (0.0, 4.0)]
+        self.scene.frame_end = 2
+        for frame, eye in enumerate(eyes, 1):
+            self.scene.timeline_markers.new(str(frame), frame=frame).camera = eye
+        eyes[1].cycles.use_motion_blur = False
+        # Times the parent's scale that is more than single precision holds.
+        eyes[1].driver_add("location", 2).driver.expression = "1e30 if frame == 2 else 2"
+        eyes[1].parent = scenes.add(self.scene, "large", None)
+        eyes[1].parent.scale = (1e20,) * 3
+        self.assertEqual({int(round(view.time)) for view in self.walked().values.views}, {1})
+
 
 class Moving(Case):
     def test_a_world_that_is_looked_up_from_an_object_is_another_once_that_has_moved(self):

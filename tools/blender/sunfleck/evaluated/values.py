@@ -40,6 +40,8 @@ class Values:
         self.said = {}
         # Rendering camera at each moment: see `View`; and that of the frame.
         self.views, self.eye = [], scene.camera
+        # Its placement at the frame, if it has one.
+        self.held = None
         # Names of fogs whose own material counts in some frames alone.
         self.otherwise = set()
         # Fog everywhere, as it is first; and what is found to change and has no track.
@@ -52,11 +54,15 @@ class Values:
         self.eye = eye = self.scene.camera if offset == 0.0 else self.eye
         is_there = eye is not None and eye.type == "CAMERA" and STAND_IN not in eye.data
         is_there = is_there and numpy.isfinite(eye.evaluated_get(graph).matrix_world).all()
+        if offset == 0.0:
+            self.held = None
         if is_there and self.shutter.is_step(offset, steps := steps_of(eye)):
             view = View(frame + offset, eye, eye.evaluated_get(graph), self.scene)
-            if self.shutter.holds(offset, steps):
-                view.matrix = self.views[-1].matrix
-            self.views.append(view)
+            if offset == 0.0:
+                self.held = view.matrix
+            elif self.shutter.holds(offset, steps):
+                view.matrix = self.held
+            self.views += [] if view.matrix is None else [view]
         if offset == 0.0:
             if eye is not None and eye.type == "CAMERA":
                 self.stays.of_view(eye, eye.evaluated_get(graph), self.scene)
