@@ -1,49 +1,48 @@
-//! Small closed bodies that glow: lanterns, bulbs, embers. In go surroundings and their surfels, out come
-//! facets with the nodes about them. Invariant: all facets of a body count, while a few of them stand for
-//! its extinction.
+//! Small closed bodies that glow: lanterns, bulbs, embers. In go surroundings, out come facets with the nodes
+//! about them. Invariant: all facets of a body count, while a few surfels stand for its extinction.
 
 use super::clumping::Clumping;
-use super::surfels::{Surfel, Surfels};
-use super::surroundings::{EmissivePart, Surroundings};
-use crate::ordinates::cross_sections::OrientedExtinction;
-use crate::ordinates::emissive_bodies::{EmissiveBodies, EmissiveBody, Facet};
+use super::surroundings::Surroundings;
+use super::surroundings::emissive::EmissivePart;
+use crate::color::luminance;
+use crate::ordinates::emissive_bodies::{EmissiveBodies, EmissiveBody, OwnFacet, own_extinction};
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
+use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// Bodies of a grid whose emission is apart from that of surfels.
 pub(crate) fn emissive_bodies(
     cut: CutGrid,
     (surroundings, width_m): (&Surroundings, f64),
-    (surfels, clumping): (&Surfels, &Clumping),
+    clumping: &Clumping,
 ) -> EmissiveBodies {
-    let volume_m3 = cut.grid.cell_volume();
-    let nodes = |surfel: &Surfel| {
-        let off_wall = surfel.position + OFF_WALL * cut.grid.cell_m * surfel.normal;
-        let corners = cut.corners(surfel.position, off_wall);
-        corners.seen().map(|(node, weight)| (node, (weight / volume_m3) as f32)).collect::<Vec<_>>()
+    let (volume_m3, cell_m) = (cut.grid.cell_volume(), cut.grid.cell_m);
+    let nodes = |position: DVec3, normal: DVec3, all: f64| {
+        let holds = cut.grid.holds(position);
+        let corners = holds.then(|| cut.corners(position, position + OFF_WALL * cell_m * normal));
+        let share = move |(node, weight): (usize, f64)| (node, (all * weight / volume_m3) as f32);
+        corners.into_iter().flat_map(move |corners| corners.seen().map(share).collect::<Vec<_>>())
     };
-    let mut bodies = EmissiveBodies::default();
-    for EmissivePart { pieces, radiance } in surroundings.emissive_bodies(width_m, cut.grid.cell_m) {
-        let facet = |surfel: &Surfel| Facet {
-            normal: surfel.normal.as_vec3(),
-            emission: (f64::from(surfel.exposed) * surfel.area * radiance).as_vec3().to_array(),
-        };
-        for piece in pieces.iter().filter(|piece| cut.grid.holds(piece[0].position)) {
-            let facets = piece.iter().map(facet).collect();
-            bodies.bodies.push(EmissiveBody { nodes: nodes(&piece[0]), facets });
+    let (mut bodies, mut own) = (Vec::new(), Vec::new());
+    for part in surroundings.emissive_bodies((width_m, cell_m)) {
+        let EmissivePart { facets, places, surfels, radiance } = part;
+        let mut about = BTreeMap::new();
+        for (position, normal, all) in places {
+            nodes(position, normal, all).for_each(|(node, share)| *about.entry(node).or_insert(0.0) += share);
         }
-    }
-    if bodies.bodies.is_empty() {
-        return bodies;
-    }
-    surfels.for_each_in(cut.grid, |surfel| {
-        if surfel.emits == 0.0 {
-            let area = surfel.exposed * surfel.area as f32;
-            let extinction = |(node, share): (usize, f32)| {
-                let density = clumping.at(node) as f32 * area * share;
-                (node, OrientedExtinction::of_facet(surfel.normal, density))
+        if about.is_empty() {
+            continue;
+        }
+        bodies.push(EmissiveBody { nodes: about.into_iter().collect(), facets });
+        let of_surfels = surfels.iter().flat_map(|surfel| {
+            let of_node = |(node, area_density): (usize, f32)| OwnFacet {
+                node,
+                normal: surfel.normal,
+                density: clumping.at(node) as f32 * surfel.exposed * area_density,
             };
-            bodies.own.extend(nodes(surfel).into_iter().map(extinction));
-        }
-    });
-    bodies
+            nodes(surfel.position, surfel.normal, surfel.area).map(of_node)
+        });
+        own.push((luminance(radiance) as f32, of_surfels.collect::<Vec<_>>()));
+    }
+    EmissiveBodies { bodies, own: own_extinction(&own) }
 }

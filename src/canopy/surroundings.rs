@@ -2,6 +2,7 @@
 //! goes a snapshot, out come both and their bounds. Invariant: each visible triangle belongs to one of the
 //! two.
 
+pub(crate) mod emissive;
 mod placed_part;
 pub(crate) mod wide;
 
@@ -52,13 +53,6 @@ impl Leaf {
         let optics = || Arc::new(SurfaceOptics { emission: Rgb::ZERO, ..*self.optics });
         (self.optics.emission != Rgb::ZERO).then(|| Self { optics: optics(), ..*self })
     }
-}
-
-/// A closed part that emits.
-pub(crate) struct EmissivePart {
-    /// Surfels of pieces that each are at one place.
-    pub(crate) pieces: Vec<Vec<Surfel>>,
-    pub(crate) radiance: Rgb,
 }
 
 /// Minimum share of a leaf's area that faces one way; a body faces all ways.
@@ -133,7 +127,7 @@ impl<'a> Surroundings<'a> {
         if all > 0.0 { weighted / all } else { 0.0 }
     }
 
-    /// Surfels of small parts: those narrower than `width_m`. Closed bodies may emit apart.
+    /// Surfels of small parts: those narrower than `width_m`. Short closed ones may emit apart.
     pub(crate) fn surfels(&self, width_m: f64, cell_m: f64, emit_apart: bool) -> Surfels<'_> {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
         self.find_means(leaves.iter().copied());
@@ -161,20 +155,12 @@ impl<'a> Surroundings<'a> {
                 return self.pane(leaf, (mean, &known), cell_m);
             }
             let is_small = is_small(leaf);
-            let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
             let first_place = places[looks].unwrap_or_default();
-            let surfel = |(place, number): (&PartPlace, u32)| {
-                self.surfel(leaf, place, (if is_small { mean } else { first_place + number }, &known))
-            };
-            let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
-            let is_apart = emit_apart && leaf.part.is_closed && known[mean as usize].emission != Rgb::ZERO;
+            let optics_of = |number: u32| if is_small { mean } else { first_place + number };
+            let mut surfels = self.surfels_of(leaf, is_small, (optics_of, &known));
+            let is_apart = emit_apart && self.emits_apart(leaf, (width_m, cell_m));
             let emits = if is_apart { 0.0 } else { leaf.emits(cell_m) as f32 };
             surfels.iter_mut().for_each(|surfel| surfel.emits = emits);
-            if is_small {
-                // One position for all surfels of a part, where its light is gathered.
-                let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
-                surfels.iter_mut().for_each(|surfel| surfel.position = middle);
-            }
             surfels
         };
         let of_chunk = move |chunk: usize| {
@@ -187,26 +173,23 @@ impl<'a> Surroundings<'a> {
         Surfels::new(count, optics, Box::new(of_chunk))
     }
 
-    /// Small closed parts that emit: those narrower than `width_m`.
-    pub(crate) fn emissive_bodies(&self, width_m: f64, cell_m: f64) -> Vec<EmissivePart> {
-        let is_body =
-            |part: &&PlacedPart| part.part.is_closed && !part.is_wall(width_m) && !part.is_large(width_m);
-        let emissive = |part: &PlacedPart<'a>| {
-            let optics = self.mean(part);
-            if optics.emission == Rgb::ZERO {
-                return None;
-            }
-            let mut surfels = self.pane(part, (0, &[optics]), cell_m);
-            let is_small = part.length_m < SMALL_CELLS * cell_m;
-            if is_small {
-                let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
-                surfels.iter_mut().for_each(|surfel| surfel.position = middle);
-            }
-            let at_once = if is_small { surfels.len().max(1) } else { 1 };
-            let pieces = surfels.chunks(at_once).map(<[Surfel]>::to_vec).collect();
-            Some(EmissivePart { pieces, radiance: optics.emission })
-        };
-        self.parts.iter().filter(is_body).filter_map(emissive).collect()
+    /// Surfels at the places of a part, with the optics of each by its number.
+    fn surfels_of(
+        &self,
+        leaf: &PlacedPart,
+        is_small: bool,
+        (optics_of, known): (impl Fn(u32) -> u32, &[SurfaceOptics]),
+    ) -> Vec<Surfel> {
+        let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
+        let surfel =
+            |(place, number): (&PartPlace, u32)| self.surfel(leaf, place, (optics_of(number), known));
+        let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
+        if is_small {
+            // One position for all surfels of a part, where its light is gathered.
+            let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
+            surfels.iter_mut().for_each(|surfel| surfel.position = middle);
+        }
+        surfels
     }
 
     /// Surfels of a large transparent part: all of its triangles, in pieces no longer than a cell.

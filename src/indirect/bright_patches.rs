@@ -178,7 +178,10 @@ impl WallLight<'_> {
             let (point, _) = &sender.points[chosen.min(sender.points.len() - 1)];
             if let FrozenLight::Point { intensity, .. } = point {
                 let share = share * luminance(*intensity) / sender.power;
-                sum += self.on_square(square, point, target).1 / share;
+                // Rounding may pick a dark point.
+                if share > 0.0 {
+                    sum += self.on_square(square, point, target).1 / share;
+                }
             }
         }
         sum / target.squares.len().max(1) as f64

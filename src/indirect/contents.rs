@@ -66,7 +66,8 @@ pub(super) struct FirstLight {
 impl<'a> Contents<'a> {
     pub(super) fn new(grid: &'a Grid, context: &Context<'a>) -> Self {
         let &Context { snapshot, surroundings, bounces, .. } = context;
-        let (width_m, emit_apart) = (WALL_CELLS * grid.cell_m, context.emissive.is_some());
+        let width_m = WALL_CELLS * grid.cell_m;
+        let emit_apart = context.emissive.is_some() && surroundings.has_few_bodies((width_m, grid.cell_m));
         let triangles = surroundings.walls(width_m);
         let fog = DeltaScaledFog::new(&snapshot.medium, snapshot.view.eye, bounces);
         let (walls, surfels) = rayon::join(
@@ -76,7 +77,7 @@ impl<'a> Contents<'a> {
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let medium = TurbidMedium::new(cut, &fog, &surfels, bounces);
         let bodies = if emit_apart {
-            emissive_bodies(cut, (surroundings, width_m), (&surfels, &medium.clumping))
+            emissive_bodies(cut, (surroundings, width_m), &medium.clumping)
         } else {
             EmissiveBodies::default()
         };
