@@ -4,11 +4,14 @@
 use super::clumping::Clumping;
 use super::surroundings::Surroundings;
 use super::surroundings::emissive::EmissivePart;
-use crate::color::luminance;
 use crate::ordinates::emissive_bodies::{EmissiveBodies, EmissiveBody, OwnFacet, own_extinction};
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use glam::DVec3;
 use std::collections::BTreeMap;
+
+/// Distance in cells up to which the light of a body is even. A point has as much light there as an even ball
+/// has inside that is as large as what trilinear weights cover, (3/2)^3 cells.
+const NEAREST_CELLS: f64 = 0.6;
 
 /// Bodies of a grid whose emission is apart from that of surfels.
 pub(crate) fn emissive_bodies(
@@ -23,16 +26,19 @@ pub(crate) fn emissive_bodies(
         let share = move |(node, weight): (usize, f64)| (node, (all * weight / volume_m3) as f32);
         corners.into_iter().flat_map(move |corners| corners.seen().map(share).collect::<Vec<_>>())
     };
-    let (mut bodies, mut own) = (Vec::new(), Vec::new());
+    let (mut bodies, mut own, mut sent) = (Vec::new(), Vec::new(), Vec::new());
     for part in surroundings.emissive_bodies((width_m, cell_m)) {
-        let EmissivePart { facets, places, surfels, radiance } = part;
-        let mut about = BTreeMap::new();
+        let EmissivePart { facets, places, surfels } = part;
+        let (mut about, mut middle) = (BTreeMap::new(), DVec3::ZERO);
         for (position, normal, all) in places {
+            middle += all * position;
             nodes(position, normal, all).for_each(|(node, share)| *about.entry(node).or_insert(0.0) += share);
         }
         if about.is_empty() {
             continue;
         }
+        let power: f32 = facets.iter().flat_map(|facet| facet.emission).sum();
+        sent.push((middle, f64::from(power)));
         bodies.push(EmissiveBody { nodes: about.into_iter().collect(), facets });
         let of_surfels = surfels.iter().flat_map(|surfel| {
             let of_node = |(node, area_density): (usize, f32)| OwnFacet {
@@ -42,7 +48,11 @@ pub(crate) fn emissive_bodies(
             };
             nodes(surfel.position, surfel.normal, surfel.area).map(of_node)
         });
-        own.push((luminance(radiance) as f32, of_surfels.collect::<Vec<_>>()));
+        own.push(of_surfels.collect::<Vec<_>>());
     }
-    EmissiveBodies { bodies, own: own_extinction(&own) }
+    let fluence = |body: usize, node: usize| {
+        let (middle, power): (DVec3, f64) = sent[body];
+        power / middle.distance_squared(cut.grid.position(node)).max((NEAREST_CELLS * cell_m).powi(2))
+    };
+    EmissiveBodies { bodies, own: own_extinction(&own, fluence) }
 }

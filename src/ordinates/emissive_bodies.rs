@@ -61,26 +61,23 @@ pub(crate) struct OwnFacet {
 }
 
 /// Extinction that the light of bodies does not meet, by node: that of one body, as all bodies but the one
-/// that sends it stop it. Where several share a node it is their mean by emission, of which each has as much
-/// as its radiance and its area there. In go radiance and facets of each body.
-pub(crate) fn own_extinction(bodies: &[(f32, Vec<OwnFacet>)]) -> Vec<(usize, OrientedExtinction)> {
-    let mut emitted: HashMap<usize, f32> = HashMap::new();
-    let by_body = bodies.iter().map(|(radiance, facets)| {
-        let mut at_nodes: HashMap<usize, f32> = HashMap::new();
-        facets.iter().for_each(|facet| *at_nodes.entry(facet.node).or_default() += radiance * facet.density);
-        at_nodes.iter().for_each(|(node, of_body)| *emitted.entry(*node).or_default() += of_body);
-        at_nodes
-    });
-    let by_body: Vec<HashMap<usize, f32>> = by_body.collect();
-    let of_body = |((_, facets), at_nodes): (&'_ (f32, Vec<OwnFacet>), &HashMap<usize, f32>)| {
-        let part = |facet: &OwnFacet| {
-            let all = emitted[&facet.node];
-            let share = if all > 0.0 { at_nodes[&facet.node] / all } else { 0.0 };
-            (facet.node, OrientedExtinction::of_facet(facet.normal, share * facet.density))
-        };
-        facets.iter().map(part).collect::<Vec<_>>()
+/// that sent it stop it. It is the mean by the light at the node, of which `fluence` is told for a body and a
+/// node: in a heap most of it comes from other bodies than those there.
+pub(crate) fn own_extinction(
+    bodies: &[Vec<OwnFacet>],
+    fluence: impl Fn(usize, usize) -> f64,
+) -> Vec<(usize, OrientedExtinction)> {
+    let mut at_nodes: HashMap<usize, f64> = HashMap::new();
+    let mut part = |(body, facet): (usize, &OwnFacet)| {
+        let node = facet.node;
+        let of_all = || (0..bodies.len()).map(|body| fluence(body, node)).sum();
+        let all = *at_nodes.entry(node).or_insert_with(of_all);
+        let share = if all > 0.0 { (fluence(body, node) / all) as f32 } else { 0.0 };
+        (node, OrientedExtinction::of_facet(facet.normal, share * facet.density))
     };
-    bodies.iter().zip(&by_body).flat_map(of_body).collect()
+    let facets = bodies.iter().enumerate();
+    let facets = facets.flat_map(|(body, facets)| facets.iter().map(move |facet| (body, facet)));
+    facets.map(&mut part).collect()
 }
 
 /// Steps of a normal's components within which facets count as one.
@@ -105,23 +102,24 @@ pub(crate) fn merged(facets: impl Iterator<Item = Facet>) -> Vec<Facet> {
 mod tests {
     use super::*;
 
-    /// The light of one of four equal bodies meets the other three.
+    /// The light of one of four equal bodies at one place meets the other three.
     #[test]
     fn light_meets_all_bodies_but_its_own() {
-        let body = |density: f32| {
-            let facet = |normal: DVec3| OwnFacet { node: 5, normal, density };
-            (3.0, vec![facet(DVec3::X), facet(DVec3::Y)])
+        let body = |node: usize| {
+            let facet = |normal: DVec3| OwnFacet { node, normal, density: 0.2 };
+            vec![facet(DVec3::X), facet(DVec3::Y)]
         };
-        let taken = |bodies: &[(f32, Vec<OwnFacet>)]| {
+        let taken = |bodies: &[Vec<OwnFacet>], fluences: &[f64]| {
             let products = OrientedExtinction::products(DVec3::new(0.6, 0.0, 0.8));
-            own_extinction(bodies).iter().map(|(_, own)| own.along(&products)).sum::<f32>()
+            let own = own_extinction(bodies, |body, _| fluences[body]);
+            own.iter().filter(|(node, _)| *node == 5).map(|(_, own)| own.along(&products)).sum::<f32>()
         };
-        let alone = taken(&[body(0.2)]);
+        let alone = taken(&[body(5)], &[3.0]);
         assert!(alone > 0.0);
-        assert!((taken(&[body(0.2), body(0.2), body(0.2), body(0.2)]) - alone).abs() < 1e-5 * alone);
-        // Of densities 1 and 3 a quarter of the light meets the second alone, the rest the first alone.
-        let mean = taken(&[body(0.2), body(0.6)]);
-        assert!((mean - alone * (0.25 + 0.75 * 3.0)).abs() < 1e-5 * mean);
+        let bodies = [body(5), body(5), body(5), body(5)];
+        assert!((taken(&bodies, &[3.0; 4]) - alone).abs() < 1e-5 * alone);
+        // Where three quarters of the light are another body's, a quarter of the light does not meet its own.
+        assert!((taken(&[body(5), body(6)], &[1.0, 3.0]) - 0.25 * alone).abs() < 1e-5 * alone);
     }
 
     /// Triangles of a cube's sides are three facets, and send as much.

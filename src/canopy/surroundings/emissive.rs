@@ -14,7 +14,7 @@ use glam::DVec3;
 const LONGEST_CELLS: f64 = 2.0;
 
 /// Maximum number of parts that emit apart, which limits memory and time: beyond it none does.
-const MOST_BODIES: usize = 4096;
+const MOST_BODIES: usize = 2048;
 
 /// A short closed part that emits.
 pub(crate) struct EmissivePart {
@@ -23,7 +23,6 @@ pub(crate) struct EmissivePart {
     pub(crate) places: Vec<(DVec3, DVec3, f64)>,
     /// What stands for its extinction.
     pub(crate) surfels: Vec<Surfel>,
-    pub(crate) radiance: Rgb,
 }
 
 /// A triangle of a part.
@@ -76,7 +75,6 @@ impl Surroundings<'_> {
             facets: merged(pieces.iter().map(facet)),
             places,
             surfels: self.surfels_of(part, is_small, (|_| 0, &[optics])),
-            radiance: optics.emission,
         }
     }
 
