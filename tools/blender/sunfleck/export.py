@@ -50,7 +50,7 @@ def exported(scene, path, only=None):
 
     try:
         extras.store(scene, path)
-        made = scenes.export(scene, path, judge, only)
+        made = scenes.export(scene, path, only, judge)
     # Blender raises `RuntimeError` with a message for users, for example about unwritable pictures.
     except (walk.Stopped, OSError, RuntimeError) as problem:
         raise NotExportable(str(problem).strip()) from problem

@@ -65,7 +65,7 @@ def is_plain(scene):
     if not shaders[0].inputs["Color"].is_linked:
         return True
     texture = environment(shaders[0])
-    if texture is None or texture.projection != "EQUIRECTANGULAR" or turn(texture) is None or is_moved(texture):
+    if texture is None or texture.projection != "EQUIRECTANGULAR" or turn(texture) is None or is_moved(texture) or texture.image.source in dependence.FILMS:
         return False
     return texture.interpolation == "Linear" or max(texture.image.size) > FINE
 

@@ -33,15 +33,19 @@ class View:
 
 def key_of(world, frame, view=View()):
     """Key that changes whenever the result may."""
-    of_film = frame if dependence.is_of_film(world) else None
-    how = repr((view, of_film, colours.working_space(), bpy.app.version)).encode()
+    how = repr((view, colours.working_space(), bpy.app.version)).encode()
     return digest(fingerprint.of_tree(world.node_tree, frame), how).hex()
 
 
+def is_known(world, kept):
+    """Whether a result is in the cache: of keyed nodes and films no key tells what Cycles has at the frame."""
+    return kept.is_file() and not keys.changes(world) and not dependence.is_of_film(world, dependence.OF_SEVERAL_FILES)
+
+
 def beside(world, frame, path):
-    """Name of the file; renderings of the same nodes are cached. Of keyed ones no key tells what Cycles has at the frame."""
+    """Name of the file; renderings of the same nodes are cached."""
     kept = bake.folder() / f"{key_of(world, frame)}.exr"
-    if keys.changes(world) or not kept.is_file():
+    if not is_known(world, kept):
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
             made = Path(folder) / "world.exr"
             render(world, frame, made)

@@ -14,7 +14,7 @@ import bpy
 import mathutils
 import numpy
 
-from . import keys, world_picture
+from . import world_picture
 from .evaluated import places
 from .evaluated.document import Document
 from .evaluated.lights import LUMENS_PER_WATT
@@ -73,7 +73,7 @@ def of(world: bpy.types.World | None, frame: float) -> Sun | None:
     if disc is None:
         return None
     kept = bake.folder() / f"{world_picture.key_of(world, frame)}.sun.json"
-    if keys.changes(world) or not kept.is_file():
+    if not world_picture.is_known(world, kept):
         found = looked_at(world, frame, disc)
         beside = kept.with_suffix(".tmp")
         beside.write_text(json.dumps(found and asdict(found)))

@@ -50,7 +50,7 @@ class Exported:
         ]
 
 
-def export(scene, path, judge, only=None):
+def export(scene, path, only=None, judge=lambda shown: None):
     """Writes the file, with all frames or a single one; `judge` gets all objects that were seen, and raises to refuse."""
     with Job(scene, only) as job:
         walk.walk(scene, job.frames, job.shutter, job)

@@ -73,8 +73,7 @@ class Baker:
         how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
         key = digest(of_tree(self.material.node_tree, self.frame), self.canvas.key(), how)
         kept = folder() / f"{key.hex()}.npz"
-        # A key identifies only one of several files of a picture.
-        is_known = not dependence.is_of_film(self.material, {"SEQUENCE", "MOVIE", "TILED"})
+        is_known = not dependence.is_of_film(self.material, dependence.OF_SEVERAL_FILES)
         if is_known and kept.is_file():
             with numpy.load(kept) as file:
                 made = {name: file[name] for name in file.files}

@@ -31,6 +31,8 @@ LOST_OUTPUTS = {
 }
 # Sources of images that change from frame to frame.
 FILMS = {"SEQUENCE", "MOVIE"}
+# A key identifies only one of the files of a picture.
+OF_SEVERAL_FILES = {*FILMS, "TILED"}
 # Nodes that were compared with Cycles.
 COMPARED = {
     *PROCEDURAL, *OF_SURFACES, *OF_INSTANCES, *LOST, *LOST_OUTPUTS, "TEX_IMAGE", "UVMAP", "ATTRIBUTE", "VERTEX_COLOR", "RGB",
