@@ -15,7 +15,7 @@ use super::high_degrees::{HIGH, HIGH_ODD, high_basis};
 use super::moments::Moments;
 use super::planes::{Layout, Planes};
 use super::quadrature::{Ordinate, Quadrature};
-use super::slopes::{are_dense, slopes};
+use super::slopes::{Fog, are_dense, slopes};
 use super::sweep_kernels::{Accumulate, AccumulateDegree, StepRows};
 use super::upwind_stencil::UpwindStencil;
 use super::walls::{CutNode, Walls};
@@ -171,9 +171,13 @@ impl<'a> AngleSet<'a> {
         self.towards_faces.clear(wanted);
         self.radiances.clear();
         self.slopes = self.is_dense.then(|| {
-            let of_fog = (sources.volume.channel(self.channel, 0), &*self.isotropic_extinction);
+            let fog = Fog {
+                source: sources.volume.channel(self.channel, 0),
+                extinction: &self.isotropic_extinction,
+                with_leaves: &self.oriented_nodes,
+            };
             let cut = self.cut.iter().flatten().map(|cut| cut.node);
-            slopes(&self.planes, of_fog, self.cell_m as f32, (cut, &self.oriented_nodes))
+            slopes(&self.planes, fog, self.cell_m as f32, cut)
         });
         for number in 0..self.pairs.len() {
             if cancelled() {

@@ -23,12 +23,22 @@ pub(super) fn are_dense(extinction: &[f32], cell_m: f32) -> bool {
     extinction.iter().any(|extinction| share(cell_m * extinction) > 0.0)
 }
 
-/// Slopes by axis of the world and by node, per metre.
+/// Fog by node.
+pub(super) struct Fog<'a> {
+    /// Isotropic source, with that of leaves.
+    pub(super) source: &'a [f32],
+    /// Extinction, 1/m.
+    pub(super) extinction: &'a [f32],
+    /// Nodes with leaves.
+    pub(super) with_leaves: &'a [usize],
+}
+
+/// Slopes by axis of the world and by node, per metre; none at nodes that walls `cut`.
 pub(super) fn slopes(
     planes: &Planes,
-    (source, extinction): (&[f32], &[f32]),
+    Fog { source, extinction, with_leaves }: Fog,
     cell_m: f32,
-    (cut, with_leaves): (impl Iterator<Item = usize>, &[usize]),
+    cut: impl Iterator<Item = usize>,
 ) -> [Vec<f32>; 3] {
     let mut slopes = [(); 3].map(|()| vec![0.0; source.len()]);
     // Leaves scatter and emit too, beside the extinction of fog.
@@ -73,6 +83,10 @@ mod tests {
     use super::*;
     use crate::ordinates::planes::Layout;
 
+    fn fog<'a>(source: &'a [f32], extinction: &'a [f32], with_leaves: &'a [usize]) -> Fog<'a> {
+        Fog { source, extinction, with_leaves }
+    }
+
     #[test]
     fn slopes_are_those_of_linear_sources_in_dense_cells() {
         let size = [4, 5, 6];
@@ -85,20 +99,20 @@ mod tests {
         for (extinction, expected) in [(2.0, [2.0, -1.0, 0.5]), (0.2, [0.0; 3])] {
             let extinctions = vec![extinction; 120];
             let source: Vec<f32> = linear.iter().map(|function| extinction * function).collect();
-            let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[]));
+            let found = slopes(&planes, fog(&source, &extinctions, &[]), 1.0, std::iter::empty());
             let found = [0, 1, 2].map(|axis: usize| found[axis][inside]);
             assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-5), "{found:?}");
         }
         let extinctions = of(&|[x, ..]| 2.0 + 0.1 * x);
         let source: Vec<f32> =
             even.iter().zip(&extinctions).map(|(function, loss)| function * loss).collect();
-        let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[]));
+        let found = slopes(&planes, fog(&source, &extinctions, &[]), 1.0, std::iter::empty());
         assert!(found.iter().flatten().all(|slope| slope.abs() < 1e-5), "even light has none");
         // In even light a node with leaves sends more, which is no slope of its neighbours.
         let leaves = inside + 1;
         let source: Vec<f32> =
             (0..120).map(|node| source[node] * if node == leaves { 6.0 } else { 1.0 }).collect();
-        let found = slopes(&planes, (&source, &extinctions), 1.0, (std::iter::empty(), &[leaves]));
+        let found = slopes(&planes, fog(&source, &extinctions, &[leaves]), 1.0, std::iter::empty());
         assert!(found.iter().flatten().all(|slope| slope.abs() < 1e-5), "leaves are not fog");
     }
 }
