@@ -29,9 +29,9 @@ const COMPARED: f64 = 6.0;
 const MIXED: f64 = 0.1;
 /// Penalty on slopes in relation to light: ridge regression (Hoerl & Kennard 1970).
 const RIDGE: f64 = 1e-3;
-/// Standard deviation of a cell's neighbours, in cells, and their weight beside its own probes.
+/// Standard deviation of a cell's neighbours, in cells, and how many of its own probes their mean is worth.
 const NEIGHBOURS: f64 = 1.0;
-const FEW: f64 = 0.1;
+const FEW: f64 = 0.25;
 /// Minimum correction: with less, light would be black or negative.
 const LEAST: f64 = -0.95;
 
@@ -59,10 +59,10 @@ pub(super) fn by_halves(halves: &[Moments; 2], near_cells: f64) -> [[Map<Rgb>; P
 fn guide(all: &Moments, pass: usize) -> Map<Rgb> {
     let (count, grid) = (all.count(), all.grid(pass));
     let mean = grid.sum() / count.sum().max(f64::MIN_POSITIVE);
-    let (counts, light) = (count.smoothed(NEIGHBOURS), grid.smoothed(NEIGHBOURS));
+    let (counts, sums) = (count.smoothed(NEIGHBOURS), grid.smoothed(NEIGHBOURS));
     grid.like(|cell| {
-        let light = grid.of(cell) + FEW * light.of(cell);
-        ratio(light, light + mean * (count.of(cell) + FEW * counts.of(cell)))
+        let light = grid.of(cell) + FEW * sums.of(cell) / counts.of(cell).max(f64::MIN_POSITIVE);
+        ratio(light, light + mean * (count.of(cell) + FEW))
     })
 }
 
