@@ -31,7 +31,7 @@ const MIXED: f64 = 0.1;
 const RIDGE: f64 = 1e-3;
 /// Standard deviation of a cell's neighbours, in cells, and how many of its own probes their mean is worth.
 const NEIGHBOURS: f64 = 1.0;
-const FEW: f64 = 0.25;
+const FEW: f64 = 2.0;
 /// Minimum correction: with less, light would be black or negative.
 const LEAST: f64 = -0.95;
 
