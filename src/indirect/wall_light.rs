@@ -91,7 +91,7 @@ impl WallLight<'_> {
             ((irradiance, through.into_iter().sum::<Rgb>()), (highlights, squares))
         };
         let patches = (0..self.walls.primitives.len()).into_par_iter();
-        let (light, rest): (Vec<(Rgb, Rgb)>, Vec<(Vec<Rgb>, u16)>) = patches.map(lit).unzip();
+        let (light, rest): (Vec<(Rgb, Rgb)>, Vec<_>) = patches.map(lit).unzip();
         let (irradiances, through) = light.into_iter().unzip();
         let (along, squares): (Vec<_>, _) = rest.into_iter().unzip();
         LitWalls { irradiances, through, glossy: GlossySource::new(&along), squares }
