@@ -10,7 +10,7 @@
 # the sky and 1 for the sun, and `huerotate(0)` up to 255. `blur`, `rotate90` and `grayscale` are right. Nothing is said;
 # the pages of the functions do not name it, that of the trait `Primitive` does.
 # Remedy: divide by the greatest number before `resize`, and multiply after.
-# Versions: image 0.25.10 with its feature `exr` (crates.io). Source: measured here;
+# Versions: image 0.25.10 with its feature `exr`, exr 1.74.2 (crates.io). Source: measured here;
 # https://docs.rs/image/0.25.10/image/trait.Primitive.html (DEFAULT_MAX_VALUE: 1.0 for floats);
 # https://docs.rs/image/0.25.10/image/enum.DynamicImage.html (resize, brighten)
 # Needs cargo. Ends with 1 if it has changed.
@@ -19,19 +19,9 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 unset CARGO_TARGET_DIR
-cat >Cargo.toml <<'END'
-[package]
-name = "skies"
-version = "0.1.0"
-edition = "2021"
-
-[dependencies]
-image = { version = "=0.25.10", default-features = false, features = ["exr"] }
-
-[profile.dev]
-debug = false
-END
-mkdir src
+cargo init --quiet --vcs none --name skies --edition 2021
+cargo add --quiet image@=0.25.10 --no-default-features --features exr
+cargo add --quiet exr@=1.74.2 # what image reads and writes OpenEXR with
 cat >src/main.rs <<'END'
 use image::imageops::FilterType::{Lanczos3, Nearest, Triangle};
 use image::{DynamicImage, Rgb, Rgb32FImage};
