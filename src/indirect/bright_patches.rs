@@ -19,6 +19,8 @@ use std::f64::consts::FRAC_1_PI;
 const BRIGHT: f64 = 16.0;
 /// Share of a patch's light that other patches get, below which less of it goes by rays.
 const FACING: f64 = 0.1;
+/// Minimum share of the light of all patches that goes by rays: with less, all goes along ordinates.
+const LEAST_BY_RAYS: f64 = 1e-3;
 /// Minimum component of a bright patch's normal along an axis of the grid. An oblique wall has more or fewer
 /// patches than areas of a cell, so its light goes along ordinates.
 const ALONG_AXIS: f64 = 0.99;
@@ -66,9 +68,10 @@ impl Sender {
 
 impl WallLight<'_> {
     /// Light of the bright patches, by the radiances that all send and the light of lamps on them. `None` if
-    /// none is bright.
+    /// they send next to nothing by rays.
     pub(super) fn bright(&self, sent: &[Rgb], lit: &LitWalls) -> Option<BrightWalls> {
-        let least = BRIGHT * sent.iter().copied().map(luminance).sum::<f64>() / sent.len() as f64;
+        let all_sent = sent.iter().copied().map(luminance).sum::<f64>();
+        let least = BRIGHT * all_sent / sent.len() as f64;
         let excess = |number: usize| {
             let all = luminance(sent[number]);
             let normal = self.walls.walls.patches[number].normal;
@@ -83,10 +86,14 @@ impl WallLight<'_> {
         let places: Vec<Place> = targets().map(|target| (target.middle, target.patch.normal)).collect();
         let senders: Vec<Sender> =
             bright.into_par_iter().filter_map(|sent| self.sender(sent, lit, &places)).collect();
+        let by_rays: f64 = senders.iter().map(|sender| luminance(sender.radiance)).sum();
+        if by_rays <= LEAST_BY_RAYS * all_sent {
+            return None;
+        }
         let mut radiances = vec![Rgb::ZERO; sent.len()];
         senders.iter().for_each(|sender| radiances[sender.number] = sender.radiance);
         let irradiances = targets().map(|target| self.by_senders(&senders, &target)).collect();
-        (!senders.is_empty()).then_some(BrightWalls { radiances, irradiances })
+        Some(BrightWalls { radiances, irradiances })
     }
 
     fn open_target(&self, number: usize, lit: &LitWalls) -> Target<'_> {

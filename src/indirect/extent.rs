@@ -25,6 +25,8 @@ pub(super) const LEAVES_PER_CELL: f64 = 2.0;
 pub(super) const FEW_LEAVES: usize = 16;
 /// Ratio of cell sizes from which fog around leaves has a grid of its own.
 const COARSEST: f64 = 8.0;
+/// Maximum size of a leaf, as a share of the diagonal of everything.
+const SMALL: f64 = 0.1;
 /// Minimum number of cells along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
 /// Maximum number of cells along the longest side: otherwise cells of a flat box would be as small as it is
@@ -80,7 +82,7 @@ pub(super) fn levels(
     let all = core_bounds(things, Strays::Lost);
     let fogs = bounded_fogs(snapshot, layers);
     let fog = core_bounds(fogs.clone(), Strays::Sparse);
-    let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
+    let widest = widest_leaf_m(surroundings, [all, fog]);
     let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
     let leaf_m = leaf_width_m(surroundings, leaves, widest);
     let lamps = fog.and_then(|fog| about_lamps(snapshot, fog, emissive));
@@ -146,6 +148,13 @@ fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf
     let is_finer = |less: &Bounds| lamps.is_some() && 2.0 * fine_m(*less) < fine_m(all);
     let bounds = less.filter(is_finer).filter(|_| is_coarse).unwrap_or(all);
     (leaf_m == 0.0 || fine_m(bounds) < COARSEST * leaf_cell_m).then_some(bounds)
+}
+
+/// Maximum size of a leaf beside all things; beside fog, where too few are so small. So ground of some metres
+/// is no leaf of wide fog.
+fn widest_leaf_m(surroundings: &Surroundings, [things, fog]: [Option<Bounds>; 2]) -> f64 {
+    let [things, fog] = [things, fog].map(|bounds| SMALL * bounds.map_or(0.0, diagonal));
+    if surroundings.leaf_width_m(things, FEW_LEAVES) > 0.0 { things } else { things.max(fog) }
 }
 
 /// Width of leaves in their bounds. What a grid about these has as a wall is none, if others are.
