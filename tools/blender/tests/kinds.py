@@ -341,6 +341,7 @@ BESIDE = {
     "face of glass": (surfaces.rough_transmission, 1, EXACT), "face of smoother glass": (lambda scene: surfaces.rough_transmission(scene, 0.2), 1, EXACT),
     "face of glass, textured": (surfaces.textured_transmission, 1, EXACT), "glossy leaf": (surfaces.glossy_leaf, 1, EXACT),
     "picture with alpha": (surfaces.picture_with_alpha, 1, EXACT), "lamp for its size": (lamps.lamp_for_its_size, 1, EXACT),
+    "soft lamp for its size": (lambda scene: lamps.lamp_for_its_size(scene, True), 1, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT), "softbox": (lamps.softbox, 6, EXACT),

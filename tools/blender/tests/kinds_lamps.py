@@ -17,11 +17,11 @@ def lamp(scene, kind):
     return thing
 
 
-def lamp_for_its_size(scene):
+def lamp_for_its_size(scene, is_soft=False):
     """A sphere that is the brighter the larger it is."""
     leaves(scene, matte())
     data = lamp(scene, "POINT").data
-    data.normalize, data.shadow_soft_size = False, 0.2
+    data.normalize, data.shadow_soft_size, data.use_soft_falloff = False, 0.2, is_soft
 
 
 def softbox(scene):

@@ -267,7 +267,7 @@ class Pictures(Case):
         data.use_temperature, data.temperature = True, 4000.0
         export.export(self.scene, self.path)
         found = self.told([1])[0]["lights"]["lamp"]["intensity_w_per_sr"]
-        wanted = [10.0 * math.pi * 0.25 / (4.0 * math.pi) * channel for channel in data.temperature_color]
+        wanted = [10.0 * math.pi * 0.25 / math.pi * channel for channel in data.temperature_color]
         numpy.testing.assert_allclose(found, wanted, rtol=1e-5)
 
     def test_film_exposure_is_a_factor_on_all_light(self):

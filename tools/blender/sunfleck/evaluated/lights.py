@@ -36,9 +36,8 @@ def extent(light: bpy.types.Light, scale: Scale) -> float:
         width, height = area_size(light)
         shape = math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else 1.0
         return width * height * scale[0] * scale[1] * shape
-    # A sphere, or a disc that faces each lit point.
-    faces = 1.0 if light.use_soft_falloff else 4.0
-    return faces * (math.pi * float(light.shadow_soft_size) ** 2 or 1.0)
+    # A sphere's, also of a lamp with soft falloff, which is a disc that faces each lit point.
+    return 4.0 * (math.pi * float(light.shadow_soft_size) ** 2 or 1.0)
 
 
 def area_size(light: bpy.types.Light) -> tuple[float, float]:
