@@ -136,8 +136,9 @@ def of_object(thing, scene):
     if thing.type == "CAMERA":
         if any(curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"} for curve in curves_of(thing.data)):
             yield Finding("camera-values", name)
-        dof = thing.data.dof
-        if dof.use_dof and (dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)):
+        dof, is_flat = thing.data.dof, thing.data.type == "ORTHO"
+        is_turned = dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)
+        if dof.use_dof and (is_flat or is_turned):
             yield Finding("camera-aperture", name)
         return
     if thing.type == "VOLUME" or thing.sunfleck_settings.is_fog:

@@ -17,6 +17,8 @@ from .stored import fields_by_hand, is_by_hand, put
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
+# Minimum focus distance, metres, as in Cycles; and f-stop, where nothing is left to see.
+LEAST_FOCUS_M, LEAST_F_STOP = 1e-5, 1e-3
 # Smaller than the smallest half, and negligible beside any light.
 NEXT_TO_BLACK = 1e-30
 LOOKS = {f"AgX - {look.replace('-', ' ').title()}": look for look in (
@@ -168,8 +170,8 @@ def of_camera(data, scene, eye=None):
     shift = shift_of_longer_side(data, scene)
     if shift != [0.0, 0.0]:
         written["shift"] = shift
-    if data.dof.use_dof:
-        written["fstop"] = data.dof.aperture_fstop
+    if data.dof.use_dof and data.type != "ORTHO":
+        written["fstop"] = f_stop(data)
         written["focus_distance"] = focus_distance(data, scene, eye)
         if data.dof.aperture_blades >= 3:
             written["blades"] = data.dof.aperture_blades
@@ -203,13 +205,19 @@ def shift_of_longer_side(data, scene):
     return [data.shift_x * scale, data.shift_y * scale]
 
 
+def f_stop(data):
+    return max(LEAST_F_STOP, data.dof.aperture_fstop)
+
+
 def focus_distance(data, scene, eye=None):
-    """Distance along the view to the plane in focus, metres."""
+    """Distance along the view to the plane in focus, metres; before the camera also if its object is behind."""
     target = data.dof.focus_object
     eye = eye or next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
     if target is None or eye is None:
-        return data.dof.focus_distance
-    return max(1e-6, -(eye.matrix_world.normalized().inverted() @ target.matrix_world.translation).z)
+        return max(LEAST_FOCUS_M, data.dof.focus_distance)
+    bone = target.pose.bones.get(data.dof.focus_subtarget) if target.pose else None
+    place = target.matrix_world @ bone.matrix if bone else target.matrix_world
+    return max(LEAST_FOCUS_M, abs((eye.matrix_world.normalized().inverted() @ place.translation).z))
 
 
 def of_material(material):

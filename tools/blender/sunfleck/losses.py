@@ -52,7 +52,7 @@ LOSSES = {
                              "of the first camera stay"),
     "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first "
                                "frame"),
-    "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
+    "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched, and in an orthographic camera all is in focus"),
     "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
     "shutter-changes": (WARNING, "how long the shutter is open does not change: it is exported as it is now"),
     "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest: centre the shutter on the frame"),

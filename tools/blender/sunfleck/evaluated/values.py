@@ -171,7 +171,7 @@ def camera(thing, scene):
     data, found = thing.data, {}
     if data.type == "PERSP":
         if data.dof.use_dof:
-            found["sunfleck_camera.fstop"] = data.dof.aperture_fstop
+            found["sunfleck_camera.fstop"] = extras.f_stop(data)
             found["sunfleck_camera.focus_distance"] = extras.focus_distance(data, scene, thing)
         found["sunfleck_camera.yfov"] = cameras.field_of_view(data, scene)
     if data.type == "ORTHO":
