@@ -345,7 +345,7 @@ BESIDE = {
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT), "softbox": (lamps.softbox, 6, EXACT),
-    "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
+    "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "emptied": (surfaces.emptied, 1, EXACT), "clay": (surfaces.clay, 1, EXACT),
     "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED), "broadcast": (surfaces.broadcast, 1, BAKED),
     "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
     "hammered in objects' axes": (lambda scene: shine.hammered(scene, 0.6, "OBJECT"), 1, BAKED), "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),

@@ -213,6 +213,14 @@ def few_faces(scene):
     bpy.context.active_object.data.shade_smooth()
 
 
+def emptied(scene):
+    """Every other leaf's slot is its own, and nothing is in it: Cycles of 5.0 takes the mesh's there."""
+    tree = matte()
+    tree.shader.inputs["Base Color"].default_value = RED
+    for leaf in leaves(scene, tree)[::2]:
+        leaf.material_slots[0].link, leaf.material_slots[0].material = "OBJECT", None
+
+
 def clay(scene):
     """A view layer's own material on leaves with and without one."""
     tree = matte()

@@ -223,7 +223,7 @@ def cannot_change(original, data):
 
 def own_materials(thing):
     """Materials of slots that are linked to the object."""
-    own = (slot.material for slot in thing.material_slots if slot.link == "OBJECT")
+    own = (material_in(slot, thing, index) for index, slot in enumerate(thing.material_slots) if slot.link == "OBJECT")
     return tuple(material.name_full if material else "" for material in own)
 
 
@@ -234,7 +234,15 @@ def materials_of(thing, data):
     for index in range(max(len(slots), len(of_data))):
         slot = slots[index] if index < len(slots) else None
         if slot is not None and (slot.link == "OBJECT" or index >= len(of_data)):
-            found.append(slot.material)
+            found.append(material_in(slot, thing, index))
         else:
             found.append(of_data[index])
     return found
+
+
+def material_in(slot, thing, index):
+    """Where the object's own slot is empty, Python gives the mesh's material of an evaluated object, and so does Cycles
+    of 5.0; later ones have none."""
+    own = thing.original.material_slots
+    is_empty = slot.link == "OBJECT" and index < len(own) and own[index].material is None
+    return None if is_empty and bpy.app.version >= (5, 1) else slot.material
