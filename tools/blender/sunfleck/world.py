@@ -19,6 +19,7 @@ from . import keys, world_picture, world_rays, world_sun
 from .film import ENGINE
 from .materials import dependence, principled
 from .materials.colours import rec709
+from .materials.images import IN_SRGB
 from .materials.links import link_to
 from .materials.pictures import is_moved
 
@@ -67,7 +68,9 @@ def is_plain(scene):
     texture = environment(shaders[0])
     if texture is None or texture.projection != "EQUIRECTANGULAR" or turn(texture) is None or is_moved(texture) or texture.image.source in dependence.FILMS:
         return False
-    return texture.interpolation == "Linear" or max(texture.image.size) > FINE
+    # Cycles smooths what is stored, and radiances are between texels here.
+    is_smooth = texture.interpolation == "Linear" and texture.image.colorspace_settings.name not in IN_SRGB
+    return is_smooth or max(texture.image.size) > FINE
 
 
 def is_baked(scene):

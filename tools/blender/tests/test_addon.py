@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 import scenes
 import sunfleck
-from sunfleck import check, command, export, extras, frames, keys, render, world_picture
+from sunfleck import check, command, export, extras, frames, keys, render, world, world_picture
 from sunfleck.evaluated import simulations
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -476,6 +476,14 @@ class Export(Case):
         sky = extras.of_scene(self.scene, path)["sunfleck_env"]
         # Without a sky the film would be transparent.
         self.assertEqual((sky["color"], sky["lights"]), ([extras.NEXT_TO_BLACK] * 3, "nothing"))
+
+    def test_a_coarse_sky_that_cycles_smooths_as_stored_is_baked(self):
+        """Else a sun of two texels had 1.24 of its light."""
+        for space, width, is_baked in (("Linear Rec.709", 8, False), ("sRGB", 8, True), ("sRGB", 2 * world.FINE, False)):
+            image = bpy.data.images.new("sky", width, 4, float_buffer=True)
+            image.colorspace_settings.name = space
+            self.environment(image)
+            self.assertEqual(world.is_baked(self.scene), is_baked, (space, width))
 
     def test_a_world_follows_the_object_that_turns_it(self):
         self.environment(self.gradients())
