@@ -151,6 +151,19 @@ class Blur(Case):
                 counts = [len(there) for there in truth.of_file(file, moments).values()]
                 self.assertEqual(counts, [count] * 3, (position, frame))
 
+    def test_what_appears_elsewhere_does_not_come_from_where_it_was(self):
+        """Hidden at frames 3 and 4, and moved by 10 m meanwhile."""
+        scene = stages.stage()
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+        thing = stages.quad(scene)
+        for frame, is_hidden in ((1, False), (3, True), (5, False)):
+            thing.hide_render = is_hidden
+            thing.keyframe_insert("hide_render", frame=frame)
+        stages.key(thing, "location", ((0.0, 0.0, 0.0), (10.0, 0.0, 0.0)), (1, 4), "CONSTANT")
+        found = truth.of_file(self.exported(scene), [2.0, 2.25, 4.75, 5.0, 5.25])
+        for moment, (there,) in found.items():
+            self.assertAlmostEqual(there[..., 0].mean(), 0.0 if moment < 3.0 else 10.0, places=4, msg=str(moment))
+
 
 class Large(Case):
     def test_two_thousand_leaves_of_240_frames(self):

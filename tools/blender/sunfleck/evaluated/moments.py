@@ -44,6 +44,11 @@ class Shutter:
         found = (round(self.opening + self.length * at / pieces, 9) for at in range(pieces + 1))
         return [0.0, *(moment for moment in found if moment != 0.0)]
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Offsets of its opening and closing, as those of its moments."""
+        return round(self.opening, 9), round(self.opening + self.length, 9)
+
     def is_step(self, offset: float, steps: int) -> bool:
         """Whether a thing of so many halvings has that moment; the frame and what is outside of the shutter all have."""
         if self.length == 0.0 or offset == 0.0:

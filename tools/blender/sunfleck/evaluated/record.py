@@ -217,6 +217,8 @@ class Record:
     def finish(self):
         """Joins the placements of all moments, and sorts moments by time; the frame itself is visited
         first."""
+        if self.shutter.is_alone:
+            self.hold_ends()
         for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
             order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
             for name in ("moments", "rows", "shown", "facts"):
@@ -226,6 +228,31 @@ class Record:
             numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
         )
         self.matrices = []
+
+    def hold_ends(self):
+        """What is not there when a frame's shutter opens or closes is as it first or last is in that shutter, as in
+        Cycles: else it would come from where it was when it vanished."""
+        ends = {}
+        for moment, (frame, offset) in enumerate(self.moments):
+            if offset != 0.0 and offset in self.shutter.ends:
+                ends.setdefault(frame, []).append((moment, offset))
+        for thing in self.things.values():
+            if len(thing.moments) < len(self.moments):
+                self.hold_ends_of(thing, ends)
+
+    def hold_ends_of(self, thing, ends):
+        there = {}
+        for at, moment in enumerate(thing.moments):
+            there.setdefault(self.moments[moment][0], []).append(at)
+        present = set(thing.moments)
+        for frame, places in there.items():
+            for moment, offset in ends.get(frame, ()):
+                if moment in present:
+                    continue
+                nearest = min(places, key=lambda at: abs(self.moments[thing.moments[at]][1] - offset))
+                thing.moments.append(moment)
+                for values in (thing.rows, thing.shown, thing.facts):
+                    values.extend(values[nearest : nearest + 1])
 
 
 def is_light(kind, thing):
