@@ -263,6 +263,9 @@ class Volumes(Case):
         material = thing.data.materials[0]
         node = material.node_tree.nodes["Principled Volume"]
         node.inputs["Blackbody Intensity"].default_value = 0.0
+        thing.data.render.clipping = 0.5
+        self.assertEqual(self.said(self.export()[0]), [("volume-lost", "its clipping: thin voxels are not empty")])
+        thing.data.render.clipping = 0.001
         node.inputs["Color Attribute"].default_value = "density"
         self.assertEqual(self.said(self.export()[0]), [("volume-lost", "its colours by the grid `density`")])
         node.inputs["Density Attribute"].default_value = "smoke"

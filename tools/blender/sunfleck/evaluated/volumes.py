@@ -21,6 +21,8 @@ from ..losses import Finding
 
 # Size of an OpenVDB file's header with its unique id.
 HEAD_BYTES = 57
+# Blender's own density below which voxels are empty: next to nothing.
+CLIPPING = 1.001e-3
 # Custom properties that may be animated.
 CHANGING = {"density", "albedo", "anisotropy", "emission"}
 
@@ -74,6 +76,8 @@ class Volumes:
                 self.say("volume-lost", thing.name, lost)
         if self.is_blurred and data.velocity_grid in kinds:
             self.say("volume-lost", thing.name, "its blur by velocities")
+        if data.render.clipping > CLIPPING:
+            self.say("volume-lost", thing.name, "its clipping: thin voxels are not empty")
         return look.fog(thing)
 
     def say(self, id, name, more):
