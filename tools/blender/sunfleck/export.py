@@ -121,8 +121,10 @@ def checked(scene):
 
 
 def default_folder(scene):
-    """Folder of frames: beside the .blend file, else a temporary one."""
-    stem = re.sub(r"[^\w.-]+", "_", Path(bpy.data.filepath).stem or scene.name)
+    """Folder of frames: beside the .blend file, else a temporary one. Scenes of one file have their own."""
+    stem = Path(bpy.data.filepath).stem or scene.name
+    named = f"{stem}_{scene.name}" if len(bpy.data.scenes) > 1 and bpy.data.filepath else stem
+    stem = re.sub(r"[^\w.-]+", "_", named)
     beside = Path(bpy.data.filepath).parent if bpy.data.filepath else Path(bpy.app.tempdir)
     return beside / "sunfleck" / stem
 

@@ -128,6 +128,20 @@ class Refused(Case):
         with self.assertRaisesRegex(export.NotExportable, "camera-other"):
             export.export(self.scene, self.folder / "scene.glb")
 
+    def test_scenes_of_one_file_have_folders_of_their_own(self):
+        path = self.folder / "shots.blend"
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+        self.assertEqual(export.default_folder(bpy.context.scene), self.folder / "sunfleck/shots")
+        second = bpy.data.scenes.new("second")
+        folders = {export.default_folder(scene) for scene in bpy.data.scenes}
+        self.assertEqual((len(folders), export.default_folder(second).name), (2, "shots_second"))
+
+    def test_without_a_layer_that_renders_it_says_so(self):
+        scenes.camera(self.scene)
+        self.scene.view_layers[0].use = False
+        with self.assertRaisesRegex(export.NotExportable, "no view layer renders"):
+            export.export(self.scene, self.folder / "scene.glb")
+
     def test_what_is_refused_leaves_the_earlier_file(self):
         path, refused = self.folder / "scene.glb", [Finding("camera-other", "`seen`")]
         path.write_bytes(b"earlier")

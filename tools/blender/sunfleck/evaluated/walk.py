@@ -56,6 +56,8 @@ def look(
 def walk(scene: bpy.types.Scene, frames: Sequence[int], shutter: Shutter, job: Job) -> None:
     """The same with an engine of its own."""
     layer = view_layer(scene)
+    if not layer.use:
+        raise Stopped("no view layer renders: tick Use for Rendering in the properties of one")
     is_simulated = simulations.any_in(scene)
     failed: list[Exception] = []
     seen: set[int] = set()
