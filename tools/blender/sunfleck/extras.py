@@ -111,8 +111,9 @@ def sky(scene, path):
     return {"lights": world.lights(scene), **found, **unseen}
 
 
-def of_object(thing, scene, path=None, exposure=None):
-    """Custom properties of an object in a scene; images are written beside `path`. Light is times `exposure`, else the scene's."""
+def of_object(thing, scene, path=None, exposure=None, scale=None):
+    """Custom properties of an object in a scene; images are written beside `path`. Light is times `exposure`, else the scene's.
+    An instance has a `scale` of its own."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
         volume = {"shape": "box", **fog.numbers(thing)}
@@ -125,17 +126,17 @@ def of_object(thing, scene, path=None, exposure=None):
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
         exposure = film.exposure(scene) if exposure is None else exposure
-        written["sunfleck_light"] = {**fields_by_hand(thing, "sunfleck_light"), **light(thing, exposure)}
+        written["sunfleck_light"] = {**fields_by_hand(thing, "sunfleck_light"), **light(thing, exposure, scale)}
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name_full)
             written["sunfleck_light"]["image"] = quote(name)
     return written
 
 
-def light(thing, exposure):
+def light(thing, exposure, scale=None):
     """Properties of a light that glTF lacks, times `exposure`."""
     data, own = thing.data, thing.sunfleck_settings
-    strength = exposure * lights.power_w(data, thing.matrix_world.to_scale())
+    strength = exposure * lights.power_w(data, thing.matrix_world.to_scale() if scale is None else scale)
     if data.type == "SUN":
         said = {"angle": data.angle, "strength_w_m2": strength, **sun_disc(own)}
         return {**said, "visible_to_camera": True} if own.visible_to_camera else said

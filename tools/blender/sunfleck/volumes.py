@@ -40,9 +40,9 @@ class Look:
     # Losses, in words.
     lost: list = field(default_factory=list)
 
-    def fog(self, thing):
-        """Custom properties of an evaluated object, without the file."""
-        share = scale(thing)
+    def fog(self, thing, matrix):
+        """Custom properties of an evaluated object where it stands, without the file."""
+        share = scale(thing, matrix)
         found = {**fog.said(self.coefficients.times(share)), "grid": self.grid}
         if self.colors:
             found["albedo_grid"] = self.colors
@@ -169,11 +169,11 @@ def factor(socket):
     return source.number(), ""
 
 
-def scale(thing):
+def scale(thing, matrix):
     """Blender keeps a volume's opacity when its object is scaled, by default."""
     if thing.data.render.space != "OBJECT":
         return 1.0
-    across = numpy.array(thing.matrix_world, float)[:3, :3] @ numpy.full(3, 3.0 ** -0.5)
+    across = numpy.array(matrix, float)[:3, :3] @ numpy.full(3, 3.0 ** -0.5)
     return 1.0 / max(1e-12, float(numpy.linalg.norm(across)))
 
 

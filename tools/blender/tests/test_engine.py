@@ -388,6 +388,18 @@ class Engine(unittest.TestCase):
 
         self.assert_kept_as_made_anew(build, 0)
 
+    def test_an_instance_of_an_area_light_has_the_power_of_its_own_area(self):
+        def build(scene):
+            hidden, shows = bpy.data.collections.new("lamps"), scenes.add(scene, "lamps", None, (0.3, -1.0, 2.0))
+            lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
+            lamp.data.energy, lamp.data.normalize = 20.0, False
+            hidden.objects.link(lamp)
+            shows.instance_type, shows.instance_collection, shows.scale = "COLLECTION", hidden, (0.5, 0.5, 0.5)
+            yield lambda: setattr(lamp.data, "energy", 90.0)
+            yield lambda: setattr(shows, "scale", (0.7, 0.7, 0.7))
+
+        self.assert_kept_as_made_anew(build, 1)
+
     def test_what_else_has_changed_is_exported_anew(self):
         def build(scene):
             quad, other = scene.objects["quad"], stages.quad(scene, "other")

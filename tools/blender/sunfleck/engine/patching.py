@@ -40,15 +40,17 @@ def put(graph, kept):
     moved = [(key, thing) for key, thing in record.things.items() if key in nodes and apart[thing.rows[0]]]
     if not all(has_place(thing, matrices[thing.rows[0]]) for _, thing in moved):
         return False
+    told = [(key, thing) for key, thing in record.things.items() if key in nodes and is_told(thing, changed)]
+    if any(is_of_its_size(thing) for _, thing in (*moved, *told)):
+        return False
     there = places.each(turned(matrices[[thing.rows[0] for _, thing in moved]].astype(float), [one for _, one in moved]))
     if any(key in assembly.sheared or one.inner is not None for (key, _), one in zip(moved, there)):
         return False
     record.all_matrices = matrices
     for (key, _), place in zip(moved, there):
         move(assembly.document.lists["nodes"][nodes[key]], place)
-    for key, thing in record.things.items():
-        if key in nodes and is_told(thing, changed):
-            tell(graph, assembly, key, thing, kept.path)
+    for key, thing in told:
+        tell(graph, assembly, key, thing, kept.path)
     put_frame(graph, kept)
     kept.findings = findings(graph.scene, kept.findings, changed)
     return True
@@ -106,6 +108,11 @@ def move(node, place):
 def is_told(thing, changed):
     """Whether an object has parameters besides its placement."""
     return thing.object in changed and thing.kind in {"LIGHT", "EMPTY", "FOG"}
+
+
+def is_of_its_size(thing):
+    """Whether it is an instance of an area light with the power of its area, which its instancer scales."""
+    return thing.kind == "LIGHT" and thing.instancer is not None and thing.object.data.type == "AREA" and not thing.object.data.normalize
 
 
 def tell(graph, assembly, key, thing, path):

@@ -118,7 +118,7 @@ class Record:
     """Grows during the walk."""
 
     def __init__(self, library, watch, shutter, seconds_a_frame=0.0):
-        """`library` knows the attributes of materials; `watch` gets all objects without a surface; for the
+        """`library` knows the attributes of materials; `watch` gets all instances without a surface; for the
         last see `Capture`."""
         self.capture, self.watch, self.questions = Capture(library, seconds_a_frame), watch, library.questions()
         # Names of objects that are not blurred, or whose deformation is not.
@@ -182,7 +182,7 @@ class Record:
                 here.lamps += is_light(source.kind, thing)
                 # Zooms blur; other parameters are those of the frame.
                 if offset == 0.0 or source.kind == "CAMERA":
-                    self.watch(key, thing, frame, offset)
+                    self.watch(key, instance, frame, offset)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 

@@ -83,10 +83,10 @@ class Job:
         self.record.volumes.close()
         self.library.close()
 
-    def watch(self, key, thing, frame, offset):
-        self.values.watch(key, thing, frame, offset)
-        if thing.type == "VOLUME":
-            self.values.see(key, frame, of_fog("sunfleck_fog_volume", self.record.volumes.see(key, thing, frame)))
+    def watch(self, key, instance, frame, offset):
+        self.values.watch(key, instance, frame, offset)
+        if instance.object.type == "VOLUME":
+            self.values.see(key, frame, of_fog("sunfleck_fog_volume", self.record.volumes.see(key, instance, frame)))
 
     def visit(self, graph, frame, moment):
         self.record.visit(graph, frame, moment)

@@ -73,8 +73,8 @@ class Stays:
             own = thing.evaluated_get(graph).sunfleck_settings
             self.see(f"`{thing.name}`", {"panel.leaf_id": own.leaf_id if own.use_leaf_id else None}, "leaf")
 
-    def of_object(self, key, thing, scene, exposure):
-        said = of_camera(thing, scene) if thing.type == "CAMERA" else extras.of_object(thing, scene, exposure=exposure)
+    def of_object(self, key, thing, scene, exposure, scale):
+        said = of_camera(thing, scene) if thing.type == "CAMERA" else extras.of_object(thing, scene, exposure=exposure, scale=scale)
         said.pop("leaf_id", None)
         self.see(f"`{thing.name}`", said, key)
 

@@ -78,14 +78,16 @@ class Values:
         else:
             self.see("scene", frame, {"sunfleck_fog.density": 0.0})
 
-    def watch(self, key, thing, frame, offset):
-        """Records an evaluated object without a surface; zooms within the shutter too."""
+    def watch(self, key, instance, frame, offset):
+        """Records an object without a surface, as the graph shows it; zooms within the shutter too."""
+        # In a graph that renders again, Blender gives an instance's object the scale that it has by itself.
+        thing, scale = instance.object, instance.matrix_world.to_scale()
         own = thing.sunfleck_settings
         if offset == 0.0:
-            self.stays.of_object(key, thing, self.scene, self.exposure)
+            self.stays.of_object(key, thing, self.scene, self.exposure, scale)
         frame += offset
         if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
-            self.said[key] = extras.of_object(thing, self.scene, exposure=self.exposure)
+            self.said[key] = extras.of_object(thing, self.scene, exposure=self.exposure, scale=scale)
         if own.is_fog:
             self.otherwise |= {thing.name} if fog.is_lost(thing) else set()
             found = fog.numbers(thing)
@@ -96,7 +98,7 @@ class Values:
             self.see(key, frame, of_fog("sunfleck_fog_volume", found))
         if thing.type == "LIGHT":
             self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data, self.exposure)))
-            self.see(key, frame, light(thing, self.exposure))
+            self.see(key, frame, light(thing, self.exposure, scale))
         if thing.type == "CAMERA":
             self.cameras.setdefault(key, lens(thing, self.scene))
             self.see(key, frame, camera(thing, self.scene))
@@ -149,8 +151,8 @@ def of_fog(owner, numbers):
     return {f"{owner}.{name}": tuple(value) if isinstance(value, list) else value for name, value in numbers.items()}
 
 
-def light(thing, exposure):
-    data, said = thing.data, extras.light(thing, exposure)
+def light(thing, exposure, scale):
+    data, said = thing.data, extras.light(thing, exposure, scale)
     field = "strength_w_m2" if data.type == "SUN" else "power_w"
     found = {f"sunfleck_light.{field}": tuple(said[field] * channel for channel in lights.color(data))}
     for number in ("angle", "radius", "picture_rotation"):

@@ -52,10 +52,11 @@ class Volumes:
             self.say("volume", thing.name, "its file cannot be read")
         return len(grids) > 0
 
-    def see(self, key, thing, frame):
+    def see(self, key, instance, frame):
         """Records a frame; returns the animated custom properties, none if it is not rendered."""
+        thing = instance.object
         try:
-            said = self.looked_at(thing)
+            said = self.looked_at(thing, instance.matrix_world)
         except volumes.NotFog as problem:
             self.say("volume", thing.name, str(problem))
             return {}
@@ -63,7 +64,7 @@ class Volumes:
         seen.files[frame] = self.file(thing)
         return {field: value for field, value in said.items() if field in CHANGING}
 
-    def looked_at(self, thing):
+    def looked_at(self, thing, matrix):
         data = thing.data
         kinds = {grid.name: grid.data_type for grid in data.grids}
         look = volumes.look(thing).within(kinds)
@@ -78,7 +79,7 @@ class Volumes:
             self.say("volume-lost", thing.name, "its blur by velocities")
         if data.render.clipping > CLIPPING:
             self.say("volume-lost", thing.name, "its clipping: thin voxels are not empty")
-        return look.fog(thing)
+        return look.fog(thing, matrix)
 
     def say(self, id, name, more):
         self.found.setdefault(Finding(id, f"`{name}`", more))
