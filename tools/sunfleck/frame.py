@@ -39,6 +39,22 @@ class Pass:
     pixels: Pixels
 
 
+class Passes(dict[str, Pass]):
+    """Passes by name; where one is missing, the `KeyError` says which there are."""
+
+    def __init__(self, held: Mapping[str, Pass], channels: tuple[str, ...]):
+        super().__init__(held)
+        self._channels = channels
+
+    def __missing__(self, name: str) -> Pass:
+        wanted = str(name).replace("_", "-")
+        if not self:
+            raise KeyError(f"the frame holds no pass: take a channel by its name, frame[NAME], of {', '.join(self._channels)}")
+        if wanted in passes.PASSES and wanted not in self:
+            raise KeyError(f"the frame holds {', '.join(self)} and no {wanted}: render it with passes=['{wanted}']")
+        raise KeyError(f"a frame has no {name}: its passes are {', '.join(self)}")
+
+
 class Frame:
     """A rendered frame: `frame.beauty`, `frame.leaf_id`, `frame["Normal.X"]`; `frame.passes` has channels and units."""
 
@@ -65,8 +81,9 @@ class Frame:
 
     @cached_property
     def passes(self) -> Mapping[str, Pass]:
-        """Passes by name, the beauty first."""
-        return {name: self._pass(name, *row) for name, row in passes.held(self._file.channels).items()}
+        """Passes by name, the beauty first. Raises `KeyError` with those that there are."""
+        held = passes.held(self._file.channels)
+        return Passes({name: self._pass(name, *row) for name, row in held.items()}, self.channels)
 
     @cached_property
     def metadata(self) -> Mapping[str, object]:
@@ -90,14 +107,10 @@ class Frame:
         """Array of a pass."""
         if name.startswith("_"):
             raise AttributeError(name)
-        wanted = name.replace("_", "-")
-        if wanted in self.passes:
-            return self.passes[wanted].pixels
-        if not self.passes:
-            raise AttributeError(f"the frame holds no pass: take a channel by its name, frame[NAME], of {', '.join(self.channels)}")
-        if wanted in passes.PASSES:
-            raise AttributeError(f"the frame holds {', '.join(self.passes)} and no {wanted}: render it with passes=['{wanted}']")
-        raise AttributeError(f"a frame has no {name}: its passes are {', '.join(self.passes)}")
+        try:
+            return self.passes[name.replace("_", "-")].pixels
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(name.replace("-", "_") for name in self.passes)]

@@ -127,6 +127,8 @@ class Frames(WithFolder):
             frame.leaf_id
         with self.assertRaisesRegex(AttributeError, "has no nonsense: its passes are beauty"):
             frame.nonsense
+        with self.assertRaisesRegex(KeyError, r"render it with passes=\['leaf-id'\]"):
+            frame.passes["leaf_id"]
         with self.assertRaisesRegex(KeyError, "no channel Z: the frame has A, B, G, R"):
             frame["Z"]
         self.assertEqual(repr(frame), "<sunfleck.Frame 1: 48x27, beauty>")
