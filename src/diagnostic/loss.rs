@@ -117,7 +117,7 @@ losses! {
     FogHeld "fog-held" "fog of numbered files without velocities, or with such as carry it over 64 voxels, jumps from one to the next while the shutter is open"
     FogBounds "fog-bounds" "`bounds` of a `sunfleck_fog_volume` is passed over, the node is the box"
     UnknownField "unknown-field" "unknown fields of sunfleck's properties are passed over"
-    UnknownProperty "unknown-property" "unknown properties are passed over"
+    UnknownProperty "unknown-property" "properties that their owners do not have are passed over"
     UnitScale "unit-scale" "Blender's unit scale changes how it shows lengths, not the scene: one unit is one metre, as to Cycles"
     ObjStatement "obj-statement" "statements of OBJ files that are not known are passed over"
     ObjNumbers "obj-numbers" "lines whose numbers cannot be read, or are too few, are left out"

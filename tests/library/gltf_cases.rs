@@ -163,6 +163,14 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
             json!({ "sunfleck_material": { "coat_takes": [[1, 1, 1], [-1, 1, 1]] } }),
             &["value-out-of-range"],
         ),
+        ("/materials/0/extras", json!({ "sunfleck_object": { "holdout": true } }), &["unknown-property"]),
+        ("/meshes/0/extras", json!({ "sunfleck_leaf": { "translucency": 0.5 } }), &["unknown-property"]),
+        ("/nodes/0/extras", json!({ "sunfleck_leaf": { "translucency": 0.5 } }), &["unknown-property"]),
+        (
+            "/extensions/KHR_lights_punctual/lights/0/extras",
+            json!({ "sunfleck_light": { "angle": 0.1 } }),
+            &["unknown-property"],
+        ),
         (
             "/materials/0/pbrMetallicRoughness/metallicRoughnessTexture",
             json!({ "index": 3 }),

@@ -63,6 +63,8 @@ pub(super) struct Light {
     pub(super) range: Option<f64>,
     #[serde(default)]
     pub(super) spot: Spot,
+    #[serde(default)]
+    pub(super) extras: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -131,6 +133,8 @@ pub(super) struct Mesh {
     pub(super) primitives: Vec<Primitive>,
     #[serde(default)]
     pub(super) weights: Vec<f64>,
+    #[serde(default)]
+    pub(super) extras: Value,
 }
 
 #[derive(Debug, Deserialize)]

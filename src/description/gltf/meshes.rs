@@ -51,7 +51,7 @@ pub(super) fn read(
             primitives.extend(report.spare(Loss::PrimitiveDamaged, primitive));
         }
         let weights = morphs::weights(mesh, index, &mut primitives, report);
-        Mesh { name, primitives, weights }
+        Mesh { name, primitives, weights, extras: mesh.extras.clone() }
     };
     document.meshes.iter().enumerate().map(convert).collect()
 }

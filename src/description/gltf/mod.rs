@@ -144,6 +144,8 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
     /// Weights of the morph targets, one each.
     pub weights: Vec<f64>,
+    /// Custom properties.
+    pub extras: Value,
 }
 
 /// Skin.

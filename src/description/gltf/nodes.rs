@@ -253,7 +253,8 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
             LightKind::Point
         });
         let color = DVec3::from(color).max(DVec3::ZERO);
-        Light { name, color, intensity: intensity.max(0.0), range_m: light.range, kind }
+        let extras = light.extras.clone();
+        Light { name, color, intensity: intensity.max(0.0), range_m: light.range, kind, extras }
     };
     document.extensions.lights_punctual.lights.iter().enumerate().map(&mut convert).collect()
 }

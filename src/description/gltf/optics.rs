@@ -60,6 +60,8 @@ pub struct Light {
     pub range_m: Option<f64>,
     /// Kind, and its shape.
     pub kind: LightKind,
+    /// Custom properties.
+    pub extras: Value,
 }
 
 /// The kinds of KHR_lights_punctual.

@@ -221,19 +221,10 @@ impl Builder<'_> {
         RayVisibility { visible_to_camera, casts_shadow, holdout }
     }
 
-    /// Reports properties of nodes, cameras and materials that are known but not yet honoured.
+    /// Reports properties of all owners but the scene that are not honoured there.
     pub(super) fn report_other_extras(&mut self) {
-        let known = [
-            "sunfleck_fog_volume",
-            "sunfleck_light",
-            "sunfleck_object",
-            "sunfleck_camera",
-            "sunfleck_leaf",
-            "sunfleck_material",
-            "sunfleck_ctl",
-        ];
-        for (_, name, extras) in self.owners() {
-            report_unknown(extras, &known, name, &mut self.report);
+        for (kind, name, extras) in self.owners() {
+            report_unknown(extras, known(kind), &format!("{kind} {name}"), &mut self.report);
         }
     }
 
@@ -253,7 +244,7 @@ impl Builder<'_> {
 }
 
 impl<'a> Builder<'a> {
-    /// Kinds, names and extras of cameras, materials and the scene's nodes.
+    /// Kinds, names and extras of the scene's nodes, and of all that nodes refer to.
     fn owners(&self) -> Vec<(&'static str, &'a str, &'a Value)> {
         let source = self.source;
         let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
@@ -261,7 +252,20 @@ impl<'a> Builder<'a> {
         let cameras = source.cameras.iter().map(|camera| ("camera", &*camera.name, &camera.extras));
         let materials =
             source.materials.iter().map(|material| ("material", &*material.name, &material.extras));
-        nodes.chain(cameras).chain(materials).collect()
+        // Blender writes properties of a mesh or a lamp there, which is another place than its object's.
+        let meshes = source.meshes.iter().map(|mesh| ("mesh", &*mesh.name, &mesh.extras));
+        let lights = source.lights.iter().map(|light| ("light", &*light.name, &light.extras));
+        nodes.chain(cameras).chain(materials).chain(meshes).chain(lights).collect()
+    }
+}
+
+/// Properties that a kind of owner has.
+fn known(kind: &str) -> &'static [&'static str] {
+    match kind {
+        "object" => &["sunfleck_fog_volume", "sunfleck_light", "sunfleck_object", "sunfleck_ctl"],
+        "camera" => &["sunfleck_camera"],
+        "material" => &["sunfleck_leaf", "sunfleck_material"],
+        _ => &[],
     }
 }
 
