@@ -6,7 +6,7 @@ use super::emitter_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
 use super::fluence::{Fluence, ForwardPeak};
 use super::leaf_index::LeafIndex;
 use super::leaf_power::{self, LeafHit, LeafPower};
-use super::surface_optics::optics_of;
+use super::surface_optics::{cover_of, optics_of};
 use super::turbid_medium::TurbidMedium;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -241,7 +241,7 @@ impl FirstCollisions<'_> {
         if is_inside && !self.are_walls.contains(&point.primitive) {
             let dimming = self.fog.dimming_of(from.is_of_sun);
             let fog = exp_minus(from.depths[0] + dimming.rough_optical_depth(ray, t));
-            self.land(point, from.shape.share(point.position) * power * fog * point.alpha, left);
+            self.land(point, from.shape.share(point.position) * power * fog * cover_of(point), left);
         }
     }
 

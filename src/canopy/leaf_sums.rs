@@ -109,16 +109,16 @@ impl SurfelTerms {
     fn of(surfel: &Surfel, optics: &SurfaceOptics) -> Self {
         let DVec3 { x, y, z } = surfel.normal;
         let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
-        let (reflectance, transmittance) = (optics.reflectance, optics.transmittance);
+        let (reflectance, through) = (optics.reflectance, optics.through());
         let channels = |color: Rgb| color.to_array().map(|value| value as f32);
         Self {
             normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
             pairs: LobePairs::of(&lobe),
             lobe,
-            even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
-            odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
+            even: channels(2.0 * FRAC_1_PI * (reflectance + through)),
+            odd: channels(-2.0 * FRAC_1_PI * (reflectance - through)),
             emission: channels(f64::from(surfel.emits) * optics.emission),
-            sent: reflectance + transmittance,
+            sent: reflectance + through,
         }
     }
 }

@@ -18,6 +18,7 @@ mod leaf_sums;
 mod node_fog;
 mod recollision;
 pub(crate) mod self_interaction;
+mod sheets;
 pub(crate) mod surface_optics;
 pub(crate) mod surfels;
 pub(crate) mod surroundings;

@@ -21,6 +21,6 @@ pub(crate) fn bent(optics: &SurfaceOptics, exposed: f64) -> SurfaceOptics {
         reflectance: out * optics.reflectance,
         transmittance: out * optics.transmittance,
         emission: out * optics.emission,
-        cover: optics.cover,
+        ..*optics
     }
 }

@@ -91,7 +91,7 @@ impl<'a> Alone<'a> {
         let factor = self.leaf.exposed * self.leaf.area_m2 * self.index * self.inside;
         [0, 1].map(|side| {
             let [here, other] = [arriving[side], arriving[1 - side]];
-            factor * (optics.reflectance * here + optics.transmittance * other)
+            factor * (optics.reflectance * here + optics.through() * other)
         })
     }
 

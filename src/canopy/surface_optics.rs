@@ -8,6 +8,9 @@ use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 
+/// Minimum coverage where alpha is 1: a clear surface may emit.
+const LEAST_COVER: f64 = 1e-3;
+
 /// Cosine typical of the directions of light and view.
 const COS: f64 = 0.6;
 
@@ -22,14 +25,25 @@ pub(crate) fn optics_at(
     optics_of(&snapshot.facet(primitive).seen_along(&towards, 1.0))
 }
 
-/// Optics of a point.
+/// Optics of a point. Light that its filter lets pass in all channels meets nothing.
 pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
-    SurfaceOptics {
-        reflectance: reflectance(point),
-        transmittance: point.transmission + of_dielectric(point)[1],
-        emission: point.emission,
-        cover: 1.0 - (1.0 - point.alpha).clamp(0.0, 1.0),
+    let cover = cover_of(point);
+    if cover == 0.0 {
+        return SurfaceOptics::default();
     }
+    let share = point.alpha / cover;
+    SurfaceOptics {
+        reflectance: share * reflectance(point),
+        transmittance: share * (point.transmission + of_dielectric(point)[1]),
+        emission: share * point.emission,
+        straight: (point.see_through + (cover - 1.0)) / cover,
+        cover,
+    }
+}
+
+/// Coverage at a point.
+pub(crate) fn cover_of(point: &SurfacePoint) -> f64 {
+    (1.0 - point.see_through.min_element()).clamp(LEAST_COVER * point.alpha, 1.0)
 }
 
 /// Reflectance of all lobes together: specular reflection counts as Lambertian.

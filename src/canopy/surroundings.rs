@@ -8,6 +8,7 @@ pub(crate) mod wide;
 
 use self::placed_part::PlacedPart;
 use super::recollision::bent;
+use super::sheets::spread;
 use super::surface_optics::optics_at;
 use super::surfels::{Surfel, Surfels};
 use crate::accel::PrimitiveId;
@@ -133,13 +134,17 @@ impl<'a> Surroundings<'a> {
         self.find_means(leaves.iter().copied());
         let is_small = move |leaf: &PlacedPart| leaf.length_m < SMALL_CELLS * cell_m;
         // By look: indices of the mean's optics, and of those of the first place.
-        let [mut means, mut places] = [(); 2].map(|()| vec![None; self.means.len()]);
+        let [mut means, mut places, mut sheets] = [(); 3].map(|()| vec![None; self.means.len()]);
         let mut optics = Vec::new();
         for leaf in &leaves {
             let looks = leaf.looks as usize;
             if means[looks].is_none() {
                 means[looks] = Some(optics.len() as u32);
                 optics.push(bent(&self.mean(leaf), leaf.exposed()));
+            }
+            if sheets[looks].is_none() && leaf.is_large(width_m) {
+                sheets[looks] = Some(optics.len() as u32);
+                optics.push(spread(&self.mean(leaf)));
             }
             if places[looks].is_none() && !is_small(leaf) && !leaf.is_large(width_m) {
                 places[looks] = Some(optics.len() as u32);
@@ -150,10 +155,10 @@ impl<'a> Surroundings<'a> {
         let known = Arc::clone(&optics);
         let surfels_of = move |leaf: &&PlacedPart| {
             let looks = leaf.looks as usize;
-            let mean = means[looks].unwrap_or_default();
             if leaf.is_large(width_m) {
-                return self.pane(leaf, (mean, &known), cell_m);
+                return self.sheet(leaf, (sheets[looks].unwrap_or_default(), &known), cell_m);
             }
+            let mean = means[looks].unwrap_or_default();
             let is_small = is_small(leaf);
             let first_place = places[looks].unwrap_or_default();
             let optics_of = |number: u32| if is_small { mean } else { first_place + number };
@@ -193,7 +198,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Surfels of a large transparent part: all of its triangles, in pieces no longer than a cell.
-    fn pane(&self, leaf: &PlacedPart, optics: (u32, &[SurfaceOptics]), cell_m: f64) -> Vec<Surfel> {
+    fn sheet(&self, leaf: &PlacedPart, optics: (u32, &[SurfaceOptics]), cell_m: f64) -> Vec<Surfel> {
         const MOST_PIECES: f64 = 64.0;
         let (mesh, mut surfels) = (self.mesh(leaf), Vec::new());
         for &triangle in &leaf.part.triangles {
@@ -207,7 +212,9 @@ impl<'a> Surroundings<'a> {
             let count = (longest / cell_m).ceil().clamp(1.0, MOST_PIECES);
             for (v, w) in middles(count) {
                 let position = a + v * (b - a) + w * (c - a);
-                surfels.push(Surfel { position, area: whole.area / (count * count), ..whole });
+                // Parts that shade each other lie in cells of their own.
+                let (area, exposed) = (whole.area / (count * count), 1.0);
+                surfels.push(Surfel { position, area, exposed, ..whole });
             }
         }
         surfels

@@ -12,14 +12,21 @@ pub(crate) struct SurfaceOptics {
     pub(crate) transmittance: Rgb,
     /// Emitted radiance.
     pub(crate) emission: Rgb,
-    /// Coverage: the share that does not pass straight through.
+    /// Share that passes straight through, beyond that which passes in all channels, as in coloured glass.
+    pub(crate) straight: Rgb,
+    /// Coverage: the share that does not pass straight through in all channels.
     pub(crate) cover: f64,
 }
 
 impl SurfaceOptics {
-    /// Share that is not absorbed.
+    /// Share that is scattered.
     pub(crate) fn albedo(&self) -> Rgb {
         self.reflectance + self.transmittance
+    }
+
+    /// Share of light from all sides that leaves on the other side.
+    pub(crate) fn through(&self) -> Rgb {
+        self.transmittance + self.straight
     }
 }
 
@@ -36,6 +43,7 @@ impl MeanOptics {
         self.sum.reflectance += covered * optics.reflectance;
         self.sum.transmittance += covered * optics.transmittance;
         self.sum.emission += covered * optics.emission;
+        self.sum.straight += covered * optics.straight;
         self.sum.cover += covered;
         self.area += area;
     }
@@ -47,6 +55,7 @@ impl MeanOptics {
             reflectance: per_cover * self.sum.reflectance,
             transmittance: per_cover * self.sum.transmittance,
             emission: per_cover * self.sum.emission,
+            straight: per_cover * self.sum.straight,
             cover: per_area * self.sum.cover,
         }
     }

@@ -12,8 +12,8 @@ use sunfleck::math::{Ray, Sampler};
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Method, Rendered, Watch, render};
 use sunfleck::scene::{
-    self, Bounces, Coat, FogShape, HeightFalloff, Instance, LightKind, Material, Mesh, PixelFilter, Sampling,
-    Scene, Size, Sky, SkyPicture, Triangle, Window,
+    self, AlphaMode, Bounces, Coat, FogShape, HeightFalloff, Instance, LightKind, Material, Mesh,
+    PixelFilter, Sampling, Scene, Size, Sky, SkyPicture, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
@@ -430,6 +430,29 @@ fn light_comes_through_walls_that_transmit() {
     let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
     println!("before a white sheet: {worst:.2e}");
     assert!(worst < 2e-3, "{worst}");
+}
+
+/// Glass that lets nine tenths of all light pass and scatters a fiftieth is a veil that covers a tenth: a
+/// wall behind either has the same light.
+#[test]
+fn glass_is_as_clear_as_a_veil() {
+    let seen_through = |surface: Material| {
+        let mut scene = camera_at(DVec3::ZERO);
+        scene.sky = Sky::new(EVEN_SKY);
+        let wall = Material { base_color: Rgb::splat(0.5), ..Material::default() };
+        add_box(&mut scene, DVec3::new(-3.0, -3.0, -5.0), DVec3::new(3.0, 3.0, -4.5), wall);
+        let pane = Material { alpha_mode: AlphaMode::Blend, ..surface };
+        add_box(&mut scene, DVec3::new(-3.0, -3.0, -4.1), DVec3::new(3.0, 3.0, -4.0), pane);
+        radiances(&scene, Bounces::All).iter().sum::<Rgb>().x
+    };
+    let glass = seen_through(Material {
+        base_color: Rgb::splat(0.02),
+        filter_color: Rgb::splat(0.9),
+        ..Material::default()
+    });
+    let veil = seen_through(Material { base_color: Rgb::splat(0.2), opacity: 0.1, ..Material::default() });
+    println!("light by glass and by a veil: {glass:.3}, {veil:.3}");
+    assert!((glass / veil - 1.0).abs() < 1e-3, "{glass} {veil}");
 }
 
 /// A sheet 3 cm before a panel that glows hides it, and lets half of its light through: to a wall, by
