@@ -35,6 +35,11 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Creates a channel.
+    pub fn new(name: &str, precision: Precision, pixels: Vec<f32>) -> Self {
+        Self { name: name.to_owned(), precision, pixels }
+    }
+
     /// Whether values are ids, which compare only as equal or different.
     pub fn holds_ids(&self) -> bool {
         // In a Cryptomatte layer the channels alternate between ids and coverages.
@@ -89,24 +94,10 @@ impl Precision {
     }
 }
 
-impl Channel {
-    /// Creates a channel.
-    pub fn new(name: &str, precision: Precision, pixels: Vec<f32>) -> Self {
-        Self { name: name.to_owned(), precision, pixels }
-    }
-}
-
 impl Frame {
     /// Frame with another window, black outside its own pixels.
     pub fn within(self, window: Window) -> Self {
-        if self.window == window {
-            return self;
-        }
-        let channel = |channel: &Channel| {
-            let value = |(x, y)| self.window.index(x, y).map_or(0.0, |index| channel.pixels[index]);
-            Channel { pixels: window.pixels().map(value).collect(), ..channel.clone() }
-        };
-        Self { full: self.full, window, channels: self.channels.iter().map(channel).collect() }
+        if self.window == window { self } else { self.part(window) }
     }
 
     /// Adds beauty and shafts of another picture with the same passes. Passes of surfaces and fog are the
@@ -134,17 +125,9 @@ impl Frame {
         }
     }
 
-    /// Part inside another window, which must lie within its own.
+    /// Part inside another window, black outside its own pixels.
     pub fn part(&self, window: Window) -> Self {
-        let part_of = |channel: &Channel| {
-            let pixels = window.pixels().filter_map(|(x, y)| self.window.index(x, y));
-            Channel {
-                name: channel.name.clone(),
-                precision: channel.precision,
-                pixels: pixels.map(|pixel| channel.pixels[pixel]).collect(),
-            }
-        };
-        Self { full: self.full, window, channels: self.channels.iter().map(part_of).collect() }
+        self.picked(self.full, window, |(x, y)| self.window.index(x, y))
     }
 
     /// Copy without passes.
@@ -157,12 +140,16 @@ impl Frame {
     /// that contains it.
     pub fn enlarged(&self, full: Size, window: Window) -> Self {
         let own = self.full;
-        let pixel_of =
-            |(x, y): (usize, usize)| y * own.height / full.height * own.width + x * own.width / full.width;
-        let pixels: Vec<usize> = window.pixels().map(pixel_of).collect();
-        let channels = self.channels.iter().map(|channel| Channel {
-            pixels: pixels.iter().map(|&pixel| channel.pixels[pixel]).collect(),
-            ..channel.clone()
+        self.picked(full, window, |(x, y)| {
+            Some(y * own.height / full.height * own.width + x * own.width / full.width)
+        })
+    }
+
+    /// Frame whose pixels are those of given indices in this one, or black.
+    fn picked(&self, full: Size, window: Window, index: impl Fn((usize, usize)) -> Option<usize>) -> Self {
+        let channels = self.channels.iter().map(|Channel { name, precision, pixels }| {
+            let value = |pixel| index(pixel).map_or(0.0, |index| pixels[index]);
+            Channel::new(name, *precision, window.pixels().map(value).collect())
         });
         Self { full, window, channels: channels.collect() }
     }
@@ -182,7 +169,7 @@ impl Frame {
         let hidden = (0..through[0].len())
             .map(|pixel| 1.0 - through.iter().map(|channel| channel[pixel]).sum::<f32>() / 3.0)
             .collect();
-        for (name, pixels) in ["R", "G", "B", "A"].into_iter().zip(shafts.into_iter().chain([hidden])) {
+        for (name, pixels) in BEAUTY.into_iter().zip(shafts.into_iter().chain([hidden])) {
             if let Some(channel) = self.channels.iter_mut().find(|channel| channel.name == name) {
                 channel.pixels = pixels;
             }

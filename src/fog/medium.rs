@@ -166,22 +166,21 @@ impl Medium {
     /// Light scattered per metre at a point, per unit of irradiance and steradian:
     /// `sum(sigma_s * phase)`, 1/(m sr).
     pub fn scattering_at(&self, point: DVec3, cos_deflection: f64) -> Rgb {
-        self.banks
-            .iter()
-            .map(|fog| (fog, fog.density(point)))
-            .filter(|(_, density)| *density > 0.0)
-            .map(|(fog, density)| fog.sigma_s * (density * henyey_greenstein(cos_deflection, fog.g)))
-            .sum()
+        self.scattering_by(point, |g| henyey_greenstein(cos_deflection, g))
     }
 
     /// Scattering as in [`Self::scattering_at`], of light that forward peaks have scattered `times` before;
     /// see [`scattered_before`].
     pub fn scattering_again_at(&self, point: DVec3, cos_deflection: f64, times: f64) -> Rgb {
+        self.scattering_by(point, |g| scattered_before(cos_deflection, g, times))
+    }
+
+    fn scattering_by(&self, point: DVec3, phase: impl Fn(f64) -> f64) -> Rgb {
         self.banks
             .iter()
             .map(|fog| (fog, fog.density(point)))
             .filter(|(_, density)| *density > 0.0)
-            .map(|(fog, density)| fog.sigma_s * (density * scattered_before(cos_deflection, fog.g, times)))
+            .map(|(fog, density)| fog.sigma_s * (density * phase(fog.g)))
             .sum()
     }
 

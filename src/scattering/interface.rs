@@ -12,6 +12,7 @@ use super::albedos::split;
 use super::ggx::{self, Shadowing, visible_normal};
 use super::microfacets::Microfacets;
 use crate::color::Rgb;
+use crate::math::GOLDEN;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -166,7 +167,6 @@ const STEPS: usize = 15;
 const LAST: usize = 11;
 /// Number of microfacets in the mean of an entry.
 const FACETS: usize = 1200;
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Shares of single scattering, by row of the index, of the roughness, and of the cosine.
 type Table = [[[[f64; 2]; STEPS + 1]; STEPS + 1]; LAST + 1];

@@ -50,7 +50,8 @@ impl MeshTrees {
     ) -> Arc<BentMesh> {
         self.bent.get(number, pose, |pose| {
             let shape = deformation.shape(&scene.meshes[instance.mesh], pose);
-            let trees = self.of_shape(scene, instance, &shape.positions);
+            let mesh = &scene.meshes[instance.mesh];
+            let trees = self.by_class(scene, instance, |part| self.build(mesh, &shape.positions, part));
             (shape, trees)
         })
     }
@@ -60,25 +61,24 @@ impl MeshTrees {
     pub(super) fn of(&self, scene: &Scene, instance: &Instance) -> [Option<Arc<MeshTree>>; 2] {
         let (index, mesh) = (instance.mesh, &scene.meshes[instance.mesh]);
         let trees = &self.trees[index];
-        let kept = |tree: &OnceLock<Arc<MeshTree>>, part: Option<bool>| {
+        self.by_class(scene, instance, |part| {
+            let tree = part.map_or(&trees.whole, |class| &trees.parts[usize::from(class)]);
             Arc::clone(tree.get_or_init(|| self.build(mesh, &mesh.positions, part)))
-        };
-        match self.classes(scene, instance) {
-            [true, true] => {
-                [false, true].map(|class| Some(kept(&trees.parts[usize::from(class)], Some(class))))
-            }
-            [false, true] => [None, Some(kept(&trees.whole, None))],
-            _ => [Some(kept(&trees.whole, None)), None],
-        }
+        })
     }
 
-    /// Trees with other positions; they are not stored.
-    fn of_shape(&self, scene: &Scene, instance: &Instance, positions: &[Vec3]) -> [Option<Arc<MeshTree>>; 2] {
-        let mesh = &scene.meshes[instance.mesh];
+    /// Trees of opaque and of blended triangles, from a function that makes the tree of one of them, or of
+    /// all.
+    fn by_class(
+        &self,
+        scene: &Scene,
+        instance: &Instance,
+        tree: impl Fn(Option<bool>) -> Arc<MeshTree>,
+    ) -> [Option<Arc<MeshTree>>; 2] {
         match self.classes(scene, instance) {
-            [true, true] => [false, true].map(|class| Some(self.build(mesh, positions, Some(class)))),
-            [false, true] => [None, Some(self.build(mesh, positions, None))],
-            _ => [Some(self.build(mesh, positions, None)), None],
+            [true, true] => [false, true].map(|class| Some(tree(Some(class)))),
+            [false, true] => [None, Some(tree(None))],
+            _ => [Some(tree(None)), None],
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::{MeshPart, Snapshot};
 use crate::accel::PrimitiveId;
-use crate::scene::{Mesh, Triangle};
+use crate::scene::{Instance, Mesh, Triangle};
 use glam::{DAffine3, Vec3};
 
 /// A placed mesh, with its opaque or its blended triangles.
@@ -73,36 +73,36 @@ impl<'a> DrawnMesh<'a> {
 
     /// Numbers of mesh and material: equal for meshes with the same look in one snapshot, in any place.
     pub fn looks(self) -> (usize, Option<usize>) {
-        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()];
-        (instance.mesh, instance.material)
+        let Instance { mesh, material, .. } = self.instance();
+        (*mesh, *material)
     }
 
     /// The mesh in the scene, and its number there.
     fn mesh(self) -> (usize, &'a Mesh) {
-        let scene = self.snapshot.scene;
-        let number = scene.instances[self.snapshot.placed[self.number].instance()].mesh;
-        (number, &scene.meshes[number])
+        let number = self.instance().mesh;
+        (number, &self.snapshot.scene.meshes[number])
+    }
+
+    fn instance(self) -> &'a Instance {
+        &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()]
+    }
+
+    /// Whether these triangles include one of the mesh.
+    fn includes(self, triangle: &Triangle) -> bool {
+        let material = self.instance().material.unwrap_or(triangle.material);
+        self.snapshot.is_blended[material] == self.is_blended
     }
 
     /// Primitive of a triangle; `None` if these triangles do not include it.
     pub fn primitive(self, triangle: u32) -> Option<PrimitiveId> {
-        let (instance, mesh) =
-            (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()], self.mesh().1);
-        let material = instance.material.unwrap_or(mesh.triangles[triangle as usize].material);
-        let is_in = self.snapshot.is_blended[material] == self.is_blended;
+        let is_in = self.includes(&self.mesh().1.triangles[triangle as usize]);
         is_in.then_some(PrimitiveId { instance: self.number as u32, triangle })
     }
 
     /// Triangles: their primitives in the snapshot, and their vertices.
     pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
-        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()];
-        let scene = self.snapshot.scene;
-        let is_in = move |triangle: &Triangle| {
-            let material = instance.material.unwrap_or(triangle.material);
-            self.snapshot.is_blended[material] == self.is_blended
-        };
-        let triangles = scene.meshes[instance.mesh].triangles.iter().zip(0..);
-        triangles.filter(move |(triangle, _)| is_in(triangle)).map(move |(triangle, number)| {
+        let triangles = self.mesh().1.triangles.iter().zip(0..);
+        triangles.filter(move |(triangle, _)| self.includes(triangle)).map(move |(triangle, number)| {
             let primitive = PrimitiveId { instance: self.number as u32, triangle: number };
             (primitive, triangle.vertices.map(|vertex| vertex as usize))
         })

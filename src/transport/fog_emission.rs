@@ -13,11 +13,5 @@ pub(super) fn on_the_way(path: &Path, ray: &Ray, way: &Way) -> Rgb {
         return Rgb::ZERO;
     }
     let along = medium.along(ray, way.distance);
-    let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
-    for hit in &way.blended {
-        let up_to = along.emitted(hit.t);
-        sum += seen_through * (up_to - so_far);
-        (so_far, seen_through) = (up_to, seen_through * hit.point.see_through);
-    }
-    sum + seen_through * (along.emitted(way.distance) - so_far)
+    way.past_blended(|distance| along.emitted(distance))
 }

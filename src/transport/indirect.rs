@@ -34,7 +34,7 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -
         return of_sky + paths::in_scattered(path, bounces, ray, way);
     }
     let Some(indirect) = path.indirect() else { return Rgb::ZERO };
-    let before = |distance: f64| match from {
+    way.past_blended(|distance| match from {
         Start::Camera => {
             let through = path.through_fog((ray, from), distance);
             indirect.seen_in_fog(path.snapshot, ray, distance, through)
@@ -42,13 +42,5 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -
         Start::Surface(_) | Start::Specular(_) => {
             indirect.in_scattered(path.snapshot, ray, distance, !path.light.is_in_specular)
         }
-    };
-    let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
-    for hit in &way.blended {
-        let up_to = before(hit.t);
-        sum += seen_through * (up_to - so_far);
-        seen_through *= hit.point.see_through;
-        so_far = up_to;
-    }
-    sum + seen_through * (before(way.distance) - so_far)
+    })
 }

@@ -25,9 +25,7 @@ pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> 
     };
     for (t, radiance) in snapshot.lamps_met(watcher, ray) {
         if t < way.distance && shown.contains(&t) {
-            let before = way.blended.iter().take_while(|hit| hit.t < t);
-            let seen_through: Rgb = before.map(|hit| hit.point.see_through).product();
-            sum += seen_through * path.through_fog((ray, from), t) * radiance;
+            sum += way.seen_through(t) * path.through_fog((ray, from), t) * radiance;
         }
     }
     Shown::emitted(sum)

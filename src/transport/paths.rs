@@ -84,18 +84,14 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     let medium = &path.snapshot.medium;
     let along = medium.along(ray, way.distance);
     let Some(losses) = along.losses(Rgb::ONE) else { return Rgb::ZERO };
-    let seen_through = |t: f64| -> Rgb {
-        let before = way.blended.iter().filter(|hit| hit.t < t);
-        before.map(|hit| hit.point.see_through).product()
-    };
     let collisions = Collisions { along, losses, weights: Rgb::ONE, chance: 1.0 };
     let (count, shares) = (path.light.branches.in_fog, std::mem::take(&mut path.scratch.shares_in_fog));
     mean_of(path, count, |path| {
         let (t, by_emission) = collisions.lit(path, ray);
-        let lit = seen_through(t) * by_emission;
+        let lit = way.seen_through(t) * by_emission;
         let u = path.sampler.next_2d();
         let Some(loss) = collisions.along.sample_loss(Rgb::ONE, &losses, u.into()) else { return lit };
-        let throughput = loss.through_per_density * seen_through(loss.t);
+        let throughput = loss.through_per_density * way.seen_through(loss.t);
         let collision = path.snapshot.emissive().map(|_| collisions.at(ray, loss.t));
         let ray = Ray { origin: ray.at(loss.t), ..*ray };
         let vertex = Vertex::Fog(ray, collision);

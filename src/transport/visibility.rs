@@ -3,6 +3,7 @@
 
 use super::path::Start;
 use crate::accel::Hit;
+use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::{BlendedHit, Snapshot};
 use std::ops::Range;
@@ -16,6 +17,24 @@ pub(super) struct Way {
     pub(super) blended: Vec<BlendedHit>,
     /// Whether the ray passes opaque surfaces that are not visible.
     pub(super) passes_hidden: bool,
+}
+
+impl Way {
+    /// Transmittance of the blended surfaces before a distance.
+    pub(super) fn seen_through(&self, t: f64) -> Rgb {
+        self.blended.iter().filter(|hit| hit.t < t).map(|hit| hit.point.see_through).product()
+    }
+
+    /// Radiance of all the way, from that of its start up to a distance without blended surfaces.
+    pub(super) fn past_blended(&self, mut before: impl FnMut(f64) -> Rgb) -> Rgb {
+        let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
+        for hit in &self.blended {
+            let up_to = before(hit.t);
+            sum += seen_through * (up_to - so_far);
+            (so_far, seen_through) = (up_to, seen_through * hit.point.see_through);
+        }
+        sum + seen_through * (before(self.distance) - so_far)
+    }
 }
 
 #[derive(Clone, Copy, Default)]

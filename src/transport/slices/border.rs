@@ -87,7 +87,6 @@ impl<'a> Borders<'a> {
 impl Border {
     /// Distance from the eye at which a ray meets it, metres. It is infinite for a shadow's border, which the
     /// surface below may hide.
-    /// surface below may hide.
     pub(super) fn distance(&self) -> f64 {
         if self.shaded.is_some() { f64::INFINITY } else { self.point.length() }
     }
