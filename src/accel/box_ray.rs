@@ -3,7 +3,6 @@
 
 use super::{
     simd::{Lanes, Mask, Simd, WIDTH, three},
-    stack::{Entry, Stack},
     wide_tree::{LEAF, Node, WideTree, plane},
 };
 
@@ -82,7 +81,7 @@ impl<L: Lanes> BoxRay<L> {
         simd: S,
         tree: &WideTree,
         mut t_far: f32,
-        stack: &mut Stack,
+        stack: &mut Vec<Entry>,
         visitor: &mut impl LeafVisitor<S>,
     ) -> bool {
         let Some(root) = tree.root else { return false };
@@ -106,18 +105,25 @@ impl<L: Lanes> BoxRay<L> {
                     continue;
                 }
             }
-            loop {
-                match stack.pop(base) {
-                    None => return false,
-                    Some(entry) if entry.t_near <= t_far => {
-                        child = entry.child;
-                        break;
-                    }
-                    Some(_) => {}
+            child = loop {
+                if stack.len() == base {
+                    return false;
                 }
-            }
+                match stack.pop() {
+                    Some(entry) if entry.t_near <= t_far => break entry.child,
+                    _ => {}
+                }
+            };
         }
     }
+}
+
+/// A child to visit, on a stack with the nearest on top.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Entry {
+    child: u32,
+    /// Distance at which the ray enters it.
+    t_near: f32,
 }
 
 pub(super) trait LeafVisitor<S: Simd> {
@@ -126,7 +132,7 @@ pub(super) trait LeafVisitor<S: Simd> {
     fn expect(&self, _simd: S, _child: u32) {}
 
     /// Visits a leaf and may shorten `t_far`; returns whether the query is over.
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<Entry>, t_far: &mut f32) -> bool;
 }
 
 #[inline(always)]
@@ -139,7 +145,7 @@ fn each_lane(mut lanes: u32, mut say: impl FnMut(usize)) {
 
 /// Returns the nearest of the children that are hit; pushes the others onto the stack, the farthest first.
 #[inline(always)]
-fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Stack) -> u32 {
+fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Vec<Entry>) -> u32 {
     let first = hits.trailing_zeros() as usize;
     hits &= hits - 1;
     if hits == 0 {

@@ -6,7 +6,6 @@ use super::{
     block::Block,
     light_plane::Functional,
     simd::{Lanes, Mask, Simd, three},
-    stack::{Entry, Stack},
     triangle_cut::Corners,
     wide_tree::{self, Bounds, LEAF, Node, WideTree, plane},
 };
@@ -109,7 +108,7 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
 }
 
 pub(super) trait LeafVisitor<S: Simd> {
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>);
 
     /// Called for a leaf that is visited after some others.
     #[inline(always)]
@@ -122,13 +121,15 @@ pub(super) fn visit_leaves<S: Simd, const N: usize>(
     simd: S,
     tree: &WideTree,
     region: &BoxRegion<S::Lanes, N>,
-    stack: &mut Stack,
+    stack: &mut Vec<u32>,
     visitor: &mut impl LeafVisitor<S>,
 ) {
     let Some(root) = tree.root else { return };
     let base = stack.len();
-    stack.push(Entry { child: root, t_near: 0.0 });
-    while let Some(Entry { child, .. }) = stack.pop(base) {
+    stack.push(root);
+    while stack.len() > base
+        && let Some(child) = stack.pop()
+    {
         if child & LEAF != 0 {
             visitor.visit(simd, child & !LEAF, stack);
             continue;
@@ -145,7 +146,7 @@ pub(super) fn visit_leaves<S: Simd, const N: usize>(
             } else if let Some(node) = tree.nodes.get(child as usize) {
                 simd.prefetch(node);
             }
-            stack.push(Entry { child, t_near: 0.0 });
+            stack.push(child);
         }
     }
 }

@@ -10,8 +10,8 @@ use super::{
     light_plane::{LightPlane, PlaneFunctions},
     shadow_query::shadowing,
     simd::{Kernel, Simd},
-    stack::Stack,
     triangle_cut::Crossing,
+    wide_tree::STACK,
 };
 
 /// Part of a ray that a triangle shadows.
@@ -37,7 +37,7 @@ impl Kernel for AddEachShadow<'_> {
         let Self { instances: Instances { tree, list: instances }, plane, shadows } = self;
         let region = shadowing(simd, &plane.functions, plane.t_range);
         let mut query = InstanceQuery { plane, instances, shadows };
-        visit_leaves(simd, tree, &region, &mut Stack::new(), &mut query);
+        visit_leaves(simd, tree, &region, &mut Vec::with_capacity(STACK), &mut query);
     }
 }
 
@@ -48,7 +48,7 @@ struct InstanceQuery<'a> {
 }
 
 impl<S: Simd> LeafVisitor<S> for InstanceQuery<'_> {
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>) {
         let instance = &self.instances[leaf as usize];
         let functions = self.plane.functions.pulled_back(&instance.relative_from_mesh);
         let region = shadowing(simd, &functions, self.plane.t_range);
@@ -72,7 +72,7 @@ struct TriangleQuery<'a> {
 }
 
 impl<S: Simd> LeafVisitor<S> for TriangleQuery<'_> {
-    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Vec<u32>) {
         let block = &self.blocks[leaf as usize];
         for lane in block.lanes() {
             let vertices = block.corners(lane);

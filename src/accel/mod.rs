@@ -28,7 +28,6 @@ mod shadow_query;
 mod shear;
 mod simd;
 mod slice_query;
-mod stack;
 mod triangle_cut;
 mod wide_tree;
 

@@ -7,8 +7,8 @@ use super::{
     instance::{Instance, Instances},
     light_plane::{Functional, LightPlane, PlaneFunctions},
     simd::{Kernel, Mask, Simd, WIDTH},
-    stack::Stack,
     triangle_cut::{Crossing, Shadow},
+    wide_tree::STACK,
 };
 use crate::math::IntervalSet;
 use glam::DVec3;
@@ -46,7 +46,7 @@ impl Kernel for AddShadows<'_> {
         }
         let box_region = shadowing(simd, &plane.functions, plane.t_range);
         let mut query = ShadowQuery { plane, instances, shadows };
-        visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
+        visit_leaves(simd, tree, &box_region, &mut Vec::with_capacity(STACK), &mut query);
     }
 }
 
@@ -59,7 +59,7 @@ struct ShadowQuery<'a> {
 
 impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         // As for slices: the plane misses many meshes whose boxes it crosses.
@@ -154,7 +154,7 @@ struct LaneQuery<'a, L> {
 
 impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack) {
+    fn visit(&mut self, simd: S, leaf: u32, _: &mut Vec<u32>) {
         let block = &self.blocks[leaf as usize];
         let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
         if crossing.exists.bits() == 0 {
@@ -192,7 +192,7 @@ struct DoubleQuery<'a> {
 }
 
 impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
-    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Vec<u32>) {
         let block = &self.blocks[leaf as usize];
         for lane in block.lanes() {
             let vertices = block.corners(lane);

@@ -9,8 +9,8 @@ use super::{
     instance::{Instance, Instances},
     light_plane::Functional,
     simd::{Kernel, Mask, Simd, WIDTH},
-    stack::Stack,
     triangle_cut::Crossing,
+    wide_tree::STACK,
 };
 use glam::{DVec2, DVec3};
 
@@ -68,7 +68,7 @@ impl Kernel for AddCuts<'_> {
         let region = Region { out_of_plane, reach, height, above };
         let limits = region.limits(simd);
         let mut query = SliceQuery { region, instances, cuts };
-        visit_leaves(simd, tree, &limits, &mut Stack::new(), &mut query);
+        visit_leaves(simd, tree, &limits, &mut Vec::with_capacity(STACK), &mut query);
     }
 }
 
@@ -106,7 +106,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
@@ -161,7 +161,7 @@ struct BlockQuery<'a, L> {
 
 impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack) {
+    fn visit(&mut self, simd: S, leaf: u32, _: &mut Vec<u32>) {
         let block = &self.blocks[leaf as usize];
         let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
         let mut lanes = crossing.exists.bits();
@@ -193,7 +193,7 @@ struct DoubleQuery<'a> {
 }
 
 impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
-    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Vec<u32>) {
         let block = &self.blocks[leaf as usize];
         for lane in block.lanes() {
             let vertices = block.corners(lane);

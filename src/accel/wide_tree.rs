@@ -14,6 +14,9 @@ use std::ops::RangeInclusive;
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
 
+/// Children on a query's stack for which memory is kept: seven for each of eighteen levels.
+pub(super) const STACK: usize = 128;
+
 /// Padding of nodes' boxes, in roundings of their largest coordinate. Queries add as much for their own
 /// numbers. For a ray, shearing moves a vertex by at most 6 (two differences, a product, a quotient), and the
 /// slab test moves a plane by at most 4. Evaluating an affine function rounds gradient, product and three
