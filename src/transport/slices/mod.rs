@@ -4,15 +4,14 @@
 //! come weighted samples. Invariant: each sample is exact for its ray; only the choice of rays is sampling.
 //!
 //! To read it: `fan.rs` has the half planes, `slice.rs` the line of one in the picture. `chord.rs` has the
-//! pixels on that line, `solve.rs` the one loop over them. `sweep.rs` (on `segment.rs`, `active.rs` and
-//! `buckets.rs`) finds the first hit of a ray and its lit parts; `slice_ray.rs` shades it. The rest serves
-//! these. `edges.rs` cuts chords, and `outline.rs` (on `border.rs`) interpolates between slices. `veiled.rs`
-//! finds the rays that blended surfaces touch. [`FogSlice`](crate::fog::FogSlice) integrates fog along a ray.
-//! Where it cannot, the method for single rays does.
+//! pixels on that line, `solve.rs` the one loop over them. `sweep.rs` (on `segment.rs` and `active.rs`) finds
+//! the first hit of a ray and its lit parts; `slice_ray.rs` shades it. The rest serves these. `edges.rs` cuts
+//! chords, and `outline.rs` (on `border.rs`) interpolates between slices. `veiled.rs` finds the rays that
+//! blended surfaces touch. [`FogSlice`](crate::fog::FogSlice) integrates fog along a ray. Where it cannot,
+//! the method for single rays does.
 
 mod active;
 mod border;
-mod buckets;
 mod chord;
 mod edges;
 mod fan;

@@ -9,7 +9,6 @@
 //! shadows it over a fixed interval of these names.
 
 use super::active::Active;
-use super::buckets::{Buckets, partition_point_near};
 use super::light_rays::LightRays;
 use super::segment::{CutEnd, Segment, ends_beside_axis, ordered};
 use crate::accel::{Cut, PrimitiveId};
@@ -58,7 +57,7 @@ pub(super) struct Sweep {
     /// Ray visibility of instances, if not all rays meet all.
     pub(super) rays: Option<RaysOfInstances>,
     /// Segments by the first part of the slice with rays that may meet their upper ends.
-    segments: Buckets<Segment>,
+    segments: Vec<Vec<Segment>>,
     /// Number of the next part.
     next: usize,
     /// Segments that rays of the current part may meet and have not yet passed.
@@ -107,18 +106,16 @@ impl Sweep {
     /// Starts anew with the cuts of another slice. `lowest_slopes` are those of its parts, from the highest
     /// to the lowest.
     pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
-        self.segments.clear();
-        // Cuts of a mesh are adjacent in the list and in the slice.
-        let mut from = 0;
+        self.segments.iter_mut().for_each(Vec::clear);
+        self.segments.resize_with(lowest_slopes.len().max(self.segments.len()), Vec::new);
         for cut in cuts {
             let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
-            from = partition_point_near(lowest_slopes, from, |slope| slope > upper.slope);
-            if from < lowest_slopes.len() {
-                self.segments
-                    .push(from, Segment { primitive: cut.primitive, upper, lower, rounding: cut.rounding });
+            let part = lowest_slopes.partition_point(|slope| *slope > upper.slope);
+            if part < lowest_slopes.len() {
+                let Cut { primitive, rounding, .. } = *cut;
+                self.segments[part].push(Segment { primitive, upper, lower, rounding });
             }
         }
-        self.segments.sort(lowest_slopes.len());
         self.next = 0;
         self.active.clear();
         self.shadows.clear();
@@ -129,7 +126,7 @@ impl Sweep {
     /// Moves on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken`
     /// receives each interval of names by which the shadow of passed segments has grown.
     pub(super) fn enter(&mut self, highest_slope: f64, darken: impl FnMut(f64, f64)) {
-        self.active.extend(self.segments.bucket(self.next));
+        self.active.extend(self.segments[self.next].drain(..));
         self.next += 1;
         self.pass(highest_slope, darken);
     }
