@@ -2,7 +2,7 @@
 //! near ones first. Invariant: no box that the ray meets in exact arithmetic is left out.
 
 use super::{
-    simd::{Lanes, Mask, Simd, WIDTH, three},
+    simd::{Lanes, Mask, Simd, WIDTH, each_lane, three},
     wide_tree::{LEAF, Node, WideTree, plane},
 };
 
@@ -133,14 +133,6 @@ pub(super) trait LeafVisitor<S: Simd> {
 
     /// Visits a leaf and may shorten `t_far`; returns whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<Entry>, t_far: &mut f32) -> bool;
-}
-
-#[inline(always)]
-fn each_lane(mut lanes: u32, mut say: impl FnMut(usize)) {
-    while lanes != 0 {
-        say(lanes.trailing_zeros() as usize % WIDTH);
-        lanes &= lanes - 1;
-    }
 }
 
 /// Returns the nearest of the children that are hit; pushes the others onto the stack, the farthest first.

@@ -3,7 +3,7 @@
 //! the number of shared instances. Still instances may have a tree of their own, shared by the trees of many
 //! moments with different origins.
 
-use super::each_shadow::{AddEachShadow, TriangleShadow};
+use super::each_shadow::{TriangleShadow, add_each_shadow};
 use super::hit::{Hit, PrimitiveId};
 use super::instance::{Instance, Instances, PlacedMesh};
 use super::level::Level;
@@ -11,7 +11,6 @@ use super::light_plane::LightPlane;
 use super::ray_query::Trace;
 use super::rounding::{round_down, round_up};
 use super::shadow_query::AddShadows;
-use super::simd::{Kernel, Portable};
 use super::slice_query::{AddCuts, Cut, HalfPlane};
 use super::wide_tree::{Bounds, WideTree};
 use crate::math::{IntervalSet, Ray, large_list};
@@ -112,14 +111,18 @@ impl InstanceTree {
         let of_shared =
             of_shared.and_then(|shared| shared.tree.nearest_hit(&ray.moved(shared.origin), t_max, skip));
         let t_max = of_shared.map_or(t_max, |hit| hit.t);
-        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false }).or(of_shared)
+        self.trace(ray, t_max, skip, false).or(of_shared)
     }
 
     /// Whether any triangle but `skip` is hit with `0 < t < t_max` (metres).
     pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
         let of_shared = self.shared.as_ref();
         of_shared.is_some_and(|shared| shared.tree.any_hit(&ray.moved(shared.origin), t_max, skip))
-            || self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
+            || self.trace(ray, t_max, skip, true).is_some()
+    }
+
+    fn trace(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>, any: bool) -> Option<Hit> {
+        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any, nearest: None })
     }
 
     /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not cross a
@@ -137,7 +140,7 @@ impl InstanceTree {
         if let Some(shared) = &self.shared {
             shared.tree.add_each_shadow(&plane.moved(shared.origin), shadows);
         }
-        AddEachShadow { instances: self.instances(), plane, shadows }.run(Portable);
+        add_each_shadow(self.instances(), plane, shadows);
     }
 
     /// Appends the cuts of the half plane, in an order that depends on the tree alone.
@@ -179,7 +182,7 @@ impl InstanceTree {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::mesh_tree::MeshTree;
+    use super::super::{mesh_tree::MeshTree, simd::Portable};
     use super::*;
     use crate::math::Sampler;
     use glam::DQuat;

@@ -27,16 +27,6 @@ const PLANE_ROUNDOFFS: f64 = 32.0;
 /// and the hit on its plane may be anywhere.
 const BESIDE_AN_EDGE: f64 = 1e-3;
 
-/// Query over the instances.
-pub(super) struct RayQuery<'a> {
-    ray: &'a Ray,
-    instances: Instances<'a>,
-    skip: Option<PrimitiveId>,
-    any: bool,
-    t_max: f64,
-    nearest: Option<Hit>,
-}
-
 /// Search for the nearest hit with `0 < t < t_max`; for the first that is found if `any`.
 pub(super) struct Trace<'a> {
     pub(super) instances: Instances<'a>,
@@ -44,24 +34,25 @@ pub(super) struct Trace<'a> {
     pub(super) t_max: f64,
     pub(super) skip: Option<PrimitiveId>,
     pub(super) any: bool,
+    /// What is found so far, `t_max` away.
+    pub(super) nearest: Option<Hit>,
 }
 
 impl Kernel for Trace<'_> {
     type Output = Option<Hit>;
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<Hit> {
-        let Self { instances, ray, t_max, skip, any } = self;
+    fn run<S: Simd>(mut self, simd: S) -> Option<Hit> {
+        let Self { instances, ray, t_max, .. } = self;
         let mut stack = Vec::with_capacity(STACK);
         let padding = padding(ray.origin.abs().max_element()) as f32;
         let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
         let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
-        let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
-        box_ray.visit_leaves(simd, instances.tree, round_up(t_max), &mut stack, &mut query);
-        query.nearest
+        box_ray.visit_leaves(simd, instances.tree, round_up(t_max), &mut stack, &mut self);
+        self.nearest
     }
 }
 
-impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
+impl<S: Simd> LeafVisitor<S> for Trace<'_> {
     #[inline(always)]
     fn expect(&self, simd: S, child: u32) {
         let Instances { tree, list } = self.instances;
@@ -141,7 +132,7 @@ struct MeshQuery<'a, 'b, L> {
     /// Error bound of a distance in single precision.
     slack: f64,
     skip: u32,
-    query: &'b mut RayQuery<'a>,
+    query: &'b mut Trace<'a>,
 }
 
 impl<S: Simd> LeafVisitor<S> for MeshQuery<'_, '_, S::Lanes> {

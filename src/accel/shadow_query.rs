@@ -3,10 +3,10 @@
 
 use super::{
     block::Block,
-    box_region::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
+    box_region::{BoxLimit, BoxRegion, LaneFunctional, may_vanish},
     instance::{Instance, Instances},
     light_plane::{Functional, LightPlane, PlaneFunctions},
-    simd::{Kernel, Mask, Simd, WIDTH},
+    simd::{Kernel, Lanes, Mask, Simd, each_lane},
     triangle_cut::{Crossing, Shadow},
     wide_tree::STACK,
 };
@@ -45,60 +45,108 @@ impl Kernel for AddShadows<'_> {
             return;
         }
         let box_region = shadowing(simd, &plane.functions, plane.t_range);
-        let mut query = ShadowQuery { plane, instances, shadows };
-        visit_leaves(simd, tree, &box_region, &mut Vec::with_capacity(STACK), &mut query);
+        let stack = &mut Vec::with_capacity(STACK);
+        box_region.visit_leaves(
+            simd,
+            tree,
+            stack,
+            #[inline(always)]
+            |leaf, stack| add_of_instance(simd, &instances[leaf as usize], plane, stack, shadows),
+        );
     }
 }
 
-/// Query over the instances.
-struct ShadowQuery<'a> {
-    plane: &'a LightPlane,
-    instances: &'a [Instance],
-    shadows: &'a mut IntervalSet,
+#[inline(always)]
+fn add_of_instance<S: Simd>(
+    simd: S,
+    instance: &Instance,
+    plane: &LightPlane,
+    stack: &mut Vec<u32>,
+    shadows: &mut IntervalSet,
+) {
+    let mesh = &*instance.mesh;
+    // As for slices: the plane misses many meshes whose boxes it crosses.
+    let out_of_plane = plane.functions.out_of_plane.pulled_back(&instance.relative_from_mesh);
+    if !may_vanish(&out_of_plane, mesh.tree.bounds) {
+        return;
+    }
+    let here = plane.functions.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
+    let box_region = shadowing(simd, &here, plane.t_range);
+    // Distances are relative to that of the mesh's centre, so the remainder has the mesh's magnitude.
+    let (t0, t1) = plane.t_range;
+    let at_centre = here.along.at(mesh.centre) / here.depth.at(mesh.centre);
+    let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
+    let cut = PlaneFunctions { along: here.at_or_after(t_centre), ..here };
+    let needs_doubles = plane.needs_doubles || instance.needs_doubles;
+    let from_centre = |t: f64| if needs_doubles { t - t_centre } else { f64::from((t - t_centre) as f32) };
+    let limits = (from_centre(t0), from_centre(t1));
+    let mut sink = ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows };
+    if needs_doubles {
+        box_region.visit_leaves(simd, &mesh.tree, stack, |leaf, _| {
+            add_in_doubles(&mesh.blocks[leaf as usize], &cut, plane.is_fan, &mut sink);
+        });
+        sink.flush();
+        return;
+    }
+    let functions = LanePlane::new(simd, &cut, plane.is_fan);
+    box_region.visit_leaves(
+        simd,
+        &mesh.tree,
+        stack,
+        #[inline(always)]
+        |leaf, _| {
+            let block = &mesh.blocks[leaf as usize];
+            let limits = (limits.0 as f32, limits.1 as f32);
+            let Some(shadow) = functions.shadow(simd, block, limits) else { return };
+            let lanes = shadow.bits();
+            if lanes == 0 {
+                return;
+            }
+            let (starts, ends) = (simd.store(shadow.start), simd.store(shadow.end));
+            each_lane(lanes, |lane| sink.add(f64::from(starts[lane]), f64::from(ends[lane])));
+        },
+    );
+    sink.flush();
 }
 
-impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
+/// [`PlaneFunctions`] in lanes.
+struct LanePlane<L> {
+    out_of_plane: LaneFunctional<L>,
+    along: LaneFunctional<L>,
+    /// Denominator; `None` where it is 1 everywhere.
+    depth: Option<LaneFunctional<L>>,
+    towards_light: LaneFunctional<L>,
+}
+
+impl<L: Lanes> LanePlane<L> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>) {
-        let instance = &self.instances[leaf as usize];
-        let mesh = &*instance.mesh;
-        // As for slices: the plane misses many meshes whose boxes it crosses.
-        let out_of_plane = self.plane.functions.out_of_plane.pulled_back(&instance.relative_from_mesh);
-        if !may_vanish(&out_of_plane, mesh.tree.bounds) {
-            return;
+    fn new<S: Simd<Lanes = L>>(simd: S, functions: &PlaneFunctions, is_fan: bool) -> Self {
+        Self {
+            out_of_plane: LaneFunctional::new(simd, &functions.out_of_plane),
+            along: LaneFunctional::new(simd, &functions.along),
+            depth: if is_fan { Some(LaneFunctional::new(simd, &functions.depth)) } else { None },
+            towards_light: LaneFunctional::new(simd, &functions.towards_light),
         }
-        let here = self.plane.functions.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
-        let box_region = shadowing(simd, &here, self.plane.t_range);
-        // Distances are relative to that of the mesh's centre, so the remainder has the mesh's magnitude.
-        let (t0, t1) = self.plane.t_range;
-        let at_centre = here.along.at(mesh.centre) / here.depth.at(mesh.centre);
-        let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
-        let cut = PlaneFunctions { along: here.at_or_after(t_centre), ..here };
-        let limits = (t0 - t_centre, t1 - t_centre);
-        let single_limits = (limits.0 as f32, limits.1 as f32);
-        let sink =
-            ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows: self.shadows };
-        if self.plane.needs_doubles || instance.needs_doubles {
-            let is_fan = self.plane.is_fan;
-            let mut query = DoubleQuery { blocks: &mesh.blocks, cut, is_fan, sink };
-            visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
-            query.sink.flush();
-        } else {
-            let zero = simd.splat(0.0);
-            let mut query = LaneQuery {
-                blocks: &mesh.blocks,
-                zero,
-                one: simd.splat(1.0),
-                out_of_plane: LaneFunctional::new(simd, &cut.out_of_plane),
-                along: LaneFunctional::new(simd, &cut.along),
-                depth: if self.plane.is_fan { Some(LaneFunctional::new(simd, &cut.depth)) } else { None },
-                towards_light: LaneFunctional::new(simd, &cut.towards_light),
-                limits: single_limits,
-                sink: ShadowSink { limits: (f64::from(single_limits.0), f64::from(single_limits.1)), ..sink },
-            };
-            visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
-            query.sink.flush();
+    }
+
+    /// Shadows of a block's triangles; `None` if the plane misses all.
+    #[inline(always)]
+    fn shadow<S: Simd<Lanes = L>>(&self, simd: S, block: &Block, (t0, t1): (f32, f32)) -> Option<Shadow<L>> {
+        let zero = simd.splat(0.0);
+        let crossing = Crossing::new(zero, self.out_of_plane.at_corners(simd, block));
+        if crossing.exists.bits() == 0 {
+            return None;
         }
+        let limits = (simd.splat(t0), simd.splat(t1));
+        let along = self.along.at_corners(simd, block);
+        let towards_light = self.towards_light.at_corners(simd, block);
+        Some(match &self.depth {
+            None => crossing.strip_shadow(zero, limits, along, towards_light),
+            Some(depth) => {
+                let ends = crossing.fan_ends(along, depth.at_corners(simd, block), towards_light);
+                crossing.fan_shadow((zero, simd.splat(1.0)), limits, ends)
+            }
+        })
     }
 }
 
@@ -138,81 +186,25 @@ impl ShadowSink<'_> {
 /// An interval that touches no other.
 const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// Query over one instance's mesh in single precision.
-struct LaneQuery<'a, L> {
-    blocks: &'a [Block],
-    zero: L,
-    one: L,
-    out_of_plane: LaneFunctional<L>,
-    along: LaneFunctional<L>,
-    /// Denominator; `None` where it is 1 everywhere.
-    depth: Option<LaneFunctional<L>>,
-    towards_light: LaneFunctional<L>,
-    limits: (f32, f32),
-    sink: ShadowSink<'a>,
-}
-
-impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, _: &mut Vec<u32>) {
-        let block = &self.blocks[leaf as usize];
-        let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
-        if crossing.exists.bits() == 0 {
-            return;
+/// Adds the shadows of a block in double precision, one triangle at a time.
+fn add_in_doubles(block: &Block, cut: &PlaneFunctions, is_fan: bool, sink: &mut ShadowSink) {
+    for lane in block.lanes() {
+        let vertices = block.corners(lane);
+        let corners = |functional: &Functional| vertices.map(|vertex: DVec3| functional.at(vertex));
+        let crossing = Crossing::new(0.0, corners(&cut.out_of_plane));
+        if !crossing.exists {
+            continue;
         }
-        let limits = (simd.splat(self.limits.0), simd.splat(self.limits.1));
-        let along = self.along.at_corners(simd, block);
-        let towards_light = self.towards_light.at_corners(simd, block);
-        let shadow = match &self.depth {
-            None => crossing.strip_shadow(self.zero, limits, along, towards_light),
-            Some(depth) => {
-                let ends = crossing.fan_ends(along, depth.at_corners(simd, block), towards_light);
-                crossing.fan_shadow((self.zero, self.one), limits, ends)
-            }
+        let (along, towards_light) = (corners(&cut.along), corners(&cut.towards_light));
+        let Shadow { exists, start, end } = if is_fan {
+            let ends = crossing.fan_ends(along, corners(&cut.depth), towards_light);
+            let Some(ends) = ends.before_light() else { continue };
+            crossing.fan_shadow((0.0, 1.0), sink.limits, ends)
+        } else {
+            crossing.strip_shadow(0.0, sink.limits, along, towards_light)
         };
-        let mut lanes = shadow.bits();
-        if lanes == 0 {
-            return;
-        }
-        let (starts, ends) = (simd.store(shadow.start), simd.store(shadow.end));
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % WIDTH;
-            lanes &= lanes - 1;
-            self.sink.add(f64::from(starts[lane]), f64::from(ends[lane]));
-        }
-    }
-}
-
-/// Query in double precision, one triangle at a time.
-struct DoubleQuery<'a> {
-    blocks: &'a [Block],
-    cut: PlaneFunctions,
-    is_fan: bool,
-    sink: ShadowSink<'a>,
-}
-
-impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
-    fn visit(&mut self, _: S, leaf: u32, _: &mut Vec<u32>) {
-        let block = &self.blocks[leaf as usize];
-        for lane in block.lanes() {
-            let vertices = block.corners(lane);
-            let corners = |functional: &Functional| vertices.map(|vertex: DVec3| functional.at(vertex));
-            let crossing = Crossing::new(0.0, corners(&self.cut.out_of_plane));
-            if !crossing.exists {
-                continue;
-            }
-            let (along, towards_light) = (corners(&self.cut.along), corners(&self.cut.towards_light));
-            let limits = self.sink.limits;
-            let Shadow { exists, start, end } = if self.is_fan {
-                let ends = crossing.fan_ends(along, corners(&self.cut.depth), towards_light);
-                let Some(ends) = ends.before_light() else { continue };
-                crossing.fan_shadow((0.0, 1.0), limits, ends)
-            } else {
-                crossing.strip_shadow(0.0, limits, along, towards_light)
-            };
-            if exists {
-                self.sink.add(start, end);
-            }
+        if exists {
+            sink.add(start, end);
         }
     }
 }

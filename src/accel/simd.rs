@@ -22,6 +22,15 @@ pub(super) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// Calls `say` with the number of each bit that is set.
+#[inline(always)]
+pub(super) fn each_lane(mut lanes: u32, mut say: impl FnMut(usize)) {
+    while lanes != 0 {
+        say(lanes.trailing_zeros() as usize % WIDTH);
+        lanes &= lanes - 1;
+    }
+}
+
 /// One number or several, with the same operations.
 pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>

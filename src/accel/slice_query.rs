@@ -4,15 +4,15 @@
 
 use super::{
     block::Block,
-    box_region::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
+    box_region::{BoxLimit, BoxRegion, LaneFunctional, may_vanish},
     hit::PrimitiveId,
     instance::{Instance, Instances},
     light_plane::Functional,
-    simd::{Kernel, Mask, Simd, WIDTH},
+    simd::{Kernel, Mask, Simd, each_lane},
     triangle_cut::Crossing,
     wide_tree::STACK,
 };
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// The half plane `reach >= 0` of the plane through `eye` that `axis` and `outward` span.
 ///
@@ -67,8 +67,16 @@ impl Kernel for AddCuts<'_> {
         let above = height.plus(-half_plane.lowest_slope, &reach);
         let region = Region { out_of_plane, reach, height, above };
         let limits = region.limits(simd);
-        let mut query = SliceQuery { region, instances, cuts };
-        visit_leaves(simd, tree, &limits, &mut Vec::with_capacity(STACK), &mut query);
+        let stack = &mut Vec::with_capacity(STACK);
+        limits.visit_expected_leaves(
+            simd,
+            tree,
+            stack,
+            #[inline(always)]
+            |leaf| simd.prefetch(&instances[leaf as usize]),
+            #[inline(always)]
+            |leaf, stack| add_of_instance(simd, &instances[leaf as usize], &region, stack, cuts),
+        );
     }
 }
 
@@ -91,121 +99,87 @@ impl Region {
             BoxLimit::new(simd, &self.above),
         ])
     }
-}
 
-struct SliceQuery<'a> {
-    region: Region,
-    instances: &'a [Instance],
-    cuts: &'a mut Vec<Cut>,
-}
-
-impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
+    /// Functions for positions in the space that `to_here` maps from, of which one is known.
     #[inline(always)]
-    fn expect(&self, simd: S, leaf: u32) {
-        simd.prefetch(&self.instances[leaf as usize]);
+    fn pulled_back_with(&self, out_of_plane: Functional, to_here: &DAffine3) -> Self {
+        let [reach, height, above] =
+            [&self.reach, &self.height, &self.above].map(|functional| functional.pulled_back(to_here));
+        Self { out_of_plane, reach, height, above }
     }
 
-    #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<u32>) {
-        let instance = &self.instances[leaf as usize];
-        let mesh = &*instance.mesh;
-        let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
-        // The plane misses a third of them: a leaf is flat, and the box of a rotated flat mesh is not.
-        let out_of_plane = here(&self.region.out_of_plane);
-        if !may_vanish(&out_of_plane, mesh.tree.bounds) {
-            return;
-        }
-        let region = Region {
-            out_of_plane,
-            reach: here(&self.region.reach),
-            height: here(&self.region.height),
-            above: here(&self.region.above),
-        };
-        let limits = region.limits(simd);
-        if instance.needs_doubles {
-            let (blocks, instance) = (&mesh.blocks[..], instance.index);
-            let mut query = DoubleQuery { blocks, region, instance, cuts: self.cuts };
-            visit_leaves(simd, &mesh.tree, &limits, stack, &mut query);
-            return;
-        }
-        // Coordinates are relative to the mesh's centre: single precision has to resolve a leaf.
-        let centre = DVec2::new(region.reach.at(mesh.centre), region.height.at(mesh.centre));
-        let from_centre = |functional: &Functional, at_centre: f64| {
-            LaneFunctional::new(simd, &Functional { offset: functional.offset - at_centre, ..*functional })
-        };
-        let mut query = BlockQuery {
-            blocks: &mesh.blocks,
-            zero: simd.splat(0.0),
-            out_of_plane: LaneFunctional::new(simd, &region.out_of_plane),
-            reach: from_centre(&region.reach, centre.x),
-            height: from_centre(&region.height, centre.y),
-            centre,
-            instance: instance.index,
-            cuts: self.cuts,
-        };
-        visit_leaves(simd, &mesh.tree, &limits, stack, &mut query);
+    /// Ends of a triangle's cut with the plane.
+    fn cut(&self, vertices: [DVec3; 3]) -> Option<[DVec2; 2]> {
+        let corners = |functional: &Functional| vertices.map(|vertex| functional.at(vertex));
+        let crossing = Crossing::new(0.0, corners(&self.out_of_plane));
+        crossing.exists.then(|| {
+            let reach = crossing.at_ends(corners(&self.reach));
+            let height = crossing.at_ends(corners(&self.height));
+            [0, 1].map(|end| DVec2::new(reach[end], height[end]))
+        })
     }
 }
 
-/// Query over one instance's mesh.
-struct BlockQuery<'a, L> {
-    blocks: &'a [Block],
-    zero: L,
-    out_of_plane: LaneFunctional<L>,
-    reach: LaneFunctional<L>,
-    height: LaneFunctional<L>,
-    centre: DVec2,
-    instance: u32,
-    cuts: &'a mut Vec<Cut>,
-}
-
-impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, _: &mut Vec<u32>) {
-        let block = &self.blocks[leaf as usize];
-        let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
-        let mut lanes = crossing.exists.bits();
-        if lanes == 0 {
-            return;
-        }
-        let [reach_a, reach_b] = crossing.at_ends(self.reach.at_corners(simd, block));
-        let [height_a, height_b] = crossing.at_ends(self.height.at_corners(simd, block));
-        let reach = [simd.store(reach_a), simd.store(reach_b)];
-        let height = [simd.store(height_a), simd.store(height_b)];
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % WIDTH;
-            lanes &= lanes - 1;
-            let end = |end: usize| {
-                self.centre + DVec2::new(f64::from(reach[end][lane]), f64::from(height[end][lane]))
-            };
-            let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
-            self.cuts.push(Cut { primitive, ends: [end(0), end(1)], rounding: Cut::SINGLE });
-        }
+#[inline(always)]
+fn add_of_instance<S: Simd>(
+    simd: S,
+    instance: &Instance,
+    region: &Region,
+    stack: &mut Vec<u32>,
+    cuts: &mut Vec<Cut>,
+) {
+    let mesh = &*instance.mesh;
+    // The plane misses a third of them: a leaf is flat, and the box of a rotated flat mesh is not.
+    let out_of_plane = region.out_of_plane.pulled_back(&instance.relative_from_mesh);
+    if !may_vanish(&out_of_plane, mesh.tree.bounds) {
+        return;
     }
-}
-
-/// Query in double precision, one triangle at a time.
-struct DoubleQuery<'a> {
-    blocks: &'a [Block],
-    region: Region,
-    instance: u32,
-    cuts: &'a mut Vec<Cut>,
-}
-
-impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
-    fn visit(&mut self, _: S, leaf: u32, _: &mut Vec<u32>) {
-        let block = &self.blocks[leaf as usize];
-        for lane in block.lanes() {
-            let vertices = block.corners(lane);
-            let corners = |functional: &Functional| vertices.map(|vertex: DVec3| functional.at(vertex));
-            let crossing = Crossing::new(0.0, corners(&self.region.out_of_plane));
-            if crossing.exists {
-                let reach = crossing.at_ends(corners(&self.region.reach));
-                let height = crossing.at_ends(corners(&self.region.height));
-                let ends = [0, 1].map(|end| DVec2::new(reach[end], height[end]));
-                let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
-                self.cuts.push(Cut { primitive, ends, rounding: Cut::DOUBLE });
+    let region = region.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
+    let limits = region.limits(simd);
+    let mut add = |block: &Block, lane: usize, ends: [DVec2; 2], rounding: f64| {
+        let primitive = PrimitiveId { instance: instance.index, triangle: block.triangles[lane] };
+        cuts.push(Cut { primitive, ends, rounding });
+    };
+    if instance.needs_doubles {
+        limits.visit_leaves(simd, &mesh.tree, stack, |leaf, _| {
+            let block = &mesh.blocks[leaf as usize];
+            for lane in block.lanes() {
+                if let Some(ends) = region.cut(block.corners(lane)) {
+                    add(block, lane, ends, Cut::DOUBLE);
+                }
             }
-        }
+        });
+        return;
     }
+    // Coordinates are relative to the mesh's centre: single precision has to resolve a leaf.
+    let centre = DVec2::new(region.reach.at(mesh.centre), region.height.at(mesh.centre));
+    let from_centre = |functional: &Functional, at_centre: f64| {
+        LaneFunctional::new(simd, &Functional { offset: functional.offset - at_centre, ..*functional })
+    };
+    let zero = simd.splat(0.0);
+    let out_of_plane = LaneFunctional::new(simd, &region.out_of_plane);
+    let reach = from_centre(&region.reach, centre.x);
+    let height = from_centre(&region.height, centre.y);
+    limits.visit_leaves(
+        simd,
+        &mesh.tree,
+        stack,
+        #[inline(always)]
+        |leaf, _| {
+            let block = &mesh.blocks[leaf as usize];
+            let crossing = Crossing::new(zero, out_of_plane.at_corners(simd, block));
+            let lanes = crossing.exists.bits();
+            if lanes == 0 {
+                return;
+            }
+            let [reach_a, reach_b] = crossing.at_ends(reach.at_corners(simd, block));
+            let [height_a, height_b] = crossing.at_ends(height.at_corners(simd, block));
+            let reach = [simd.store(reach_a), simd.store(reach_b)];
+            let height = [simd.store(height_a), simd.store(height_b)];
+            each_lane(lanes, |lane| {
+                let end = |end: usize| centre + DVec2::new(reach[end][lane].into(), height[end][lane].into());
+                add(block, lane, [end(0), end(1)], Cut::SINGLE);
+            });
+        },
+    );
 }
