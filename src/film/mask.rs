@@ -4,9 +4,6 @@
 use super::BLOCK_SIDE;
 use crate::scene::{Size, Window};
 
-/// More than a picture's width or height.
-const BEYOND_ALL_PX: usize = u32::MAX as usize;
-
 /// Pixels of a word.
 const WORD: usize = u64::BITS as usize;
 
@@ -79,37 +76,6 @@ impl Mask {
             height: BLOCK_SIDE,
         })
     }
-
-    /// For a pixel outside the mask, a window around it that has no pixel of the mask: all on that side of
-    /// the mask's own window, its block, or the pixel alone. `None` for a pixel of the mask.
-    pub fn unwanted_around(&self, x: usize, y: usize) -> Option<Window> {
-        if let Some(side) = self.side_of(x, y) {
-            return Some(side);
-        }
-        let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
-        let is_inhabited = self.blocks.index(column, row).is_some_and(|block| self.is_inhabited[block]);
-        if !is_inhabited {
-            let (x, y) = (column * BLOCK_SIDE, row * BLOCK_SIDE);
-            return Some(Window { x, y, width: BLOCK_SIDE, height: BLOCK_SIDE });
-        }
-        (!self.contains(x, y)).then_some(Window { x, y, width: 1, height: 1 })
-    }
-
-    /// The half of the picture beyond the border of the window that a pixel is outside of, if it is.
-    fn side_of(&self, x: usize, y: usize) -> Option<Window> {
-        let Window { x: left, y: top, width, height } = self.window;
-        let (right, bottom) = (left + width, top + height);
-        let beyond = Window { x: 0, y: 0, width: BEYOND_ALL_PX, height: BEYOND_ALL_PX };
-        if x < left {
-            Some(Window { width: left, ..beyond })
-        } else if x >= right {
-            Some(Window { x: right, ..beyond })
-        } else if y < top {
-            Some(Window { height: top, ..beyond })
-        } else {
-            (y >= bottom).then_some(Window { y: bottom, ..beyond })
-        }
-    }
 }
 
 #[cfg(test)]
@@ -141,23 +107,9 @@ mod tests {
     }
 
     #[test]
-    fn empty_blocks_are_aligned_to_the_picture_and_hold_none() {
+    fn inhabited_blocks_are_aligned_to_the_picture() {
         let mask = Mask::from_fn(Window { x: 5, y: 3, width: 20, height: 10 }, |x, y| x == 16 && y == 7);
-        let block = |x, y| Some(Window { x, y, width: 8, height: 8 });
-        assert_eq!(mask.unwanted_around(16, 7), None);
-        assert_eq!(mask.unwanted_around(23, 3), Some(Window { x: 23, y: 3, width: 1, height: 1 }));
-        assert_eq!(mask.unwanted_around(15, 7), block(8, 0));
-        assert_eq!(mask.unwanted_around(16, 8), block(16, 8));
-    }
-
-    #[test]
-    fn what_lies_beside_the_window_is_passed_in_one_step() {
-        let mask = Mask::all(Window { x: 5, y: 3, width: 20, height: 10 });
-        let side = |x, y| mask.unwanted_around(x, y).expect("outside");
-        assert!(side(4, 7).x == 0 && side(4, 7).width == 5 && side(4, 7).height >= 65536);
-        assert!(side(25, 7).x == 25 && side(25, 7).width >= 65536);
-        assert!(side(10, 2).y == 0 && side(10, 2).height == 3 && side(10, 2).width >= 65536);
-        assert!(side(10, 13).y == 13 && side(10, 13).height >= 65536);
-        assert_eq!(mask.unwanted_around(5, 3), None);
+        let blocks: Vec<Window> = mask.inhabited_blocks().collect();
+        assert_eq!(blocks, [Window { x: 16, y: 0, width: 8, height: 8 }]);
     }
 }

@@ -71,7 +71,7 @@ mod tests {
 
     fn meets(wanted: &Mask, fan: &Fan, angle: f64, ring: Ring) -> bool {
         let slice = fan.slice(angle, ring);
-        slice.is_some_and(|slice| slice.crossings(SIZE, |x, y| wanted.unwanted_around(x, y)).next().is_some())
+        slice.is_some_and(|slice| slice.crossings(SIZE, |x, y| wanted.contains(x, y)).next().is_some())
     }
 
     proptest! {

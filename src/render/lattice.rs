@@ -306,7 +306,7 @@ impl PlacedSlice {
     /// Chords in visible pixels.
     pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
         let (weight_per_area, random) = (self.weight_per_area, self.random);
-        self.slice.crossings(size, |x, y| seen.unwanted_around(x, y)).map(move |crossing| {
+        self.slice.crossings(size, |x, y| seen.contains(x, y)).map(move |crossing| {
             let Crossing { pixel, .. } = crossing;
             let ([start, end], slopes) = (self.slice.areas(&crossing), self.slice.slopes(&crossing));
             let phase = (self.phase + dither(pixel.0, pixel.1)).fract();

@@ -34,14 +34,14 @@ impl Shares<'_> {
         mut add: impl FnMut(u32, &Splat),
     ) {
         let Self { round, size, placed } = *self;
-        let unwanted_around = |x: usize, y: usize| round.wanted.unwanted_around(x, y);
+        let is_wanted = |x: usize, y: usize| round.wanted.contains(x, y);
         let share = 1.0 / f64::from(placed.swath_lines());
         for piece in pieces.iter_mut().filter(|piece| round.may_share(piece.pixel, piece.pixel)) {
             piece.count(piece.pixel, share * piece.weight);
         }
         let weight_per_area = share * placed.weight_per_area;
         for (line, rotated_rad) in placed.swath_beside(drawn) {
-            outline.parts(&line, rotated_rad, size, unwanted_around, |part| {
+            outline.parts(&line, rotated_rad, size, is_wanted, |part| {
                 let piece = &mut pieces[part.piece];
                 if round.may_share(piece.pixel, part.pixel) {
                     let weight = weight_per_area * part.area_per_rad;

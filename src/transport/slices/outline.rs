@@ -8,7 +8,7 @@
 
 use super::border::Border;
 use super::slice::Slice;
-use crate::scene::{Size, Window};
+use crate::scene::Size;
 use std::ops::Range;
 
 /// Maximum shift of an edge along a slice beside, pixels. Edges almost along the slice are not known far from
@@ -142,13 +142,13 @@ impl Outline {
 
     /// Calls back with the parts of a slice that is rotated by an angle. In each region they lie within the
     /// slice's pieces there, or at most as far from their ends as an edge may move. Unwanted pixels are
-    /// skipped, as in [`Slice::crossings`].
+    /// left out.
     pub fn parts(
         &mut self,
         beside: &Slice,
         rotated_rad: f64,
         size: Size,
-        unwanted_around: impl Fn(usize, usize) -> Option<Window>,
+        is_wanted: impl Fn(usize, usize) -> bool,
         mut call: impl FnMut(Strip),
     ) {
         self.move_ends(beside, rotated_rad);
@@ -156,7 +156,7 @@ impl Outline {
         // The interval in the current region, its runs that are still to come, and its bounds.
         let (mut interval, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
         let mut piece = 0;
-        for crossing in beside.crossings(size, unwanted_around) {
+        for crossing in beside.crossings(size, is_wanted) {
             let region = self.region(crossing.pixel);
             if interval.is_none_or(|interval: usize| self.intervals[interval].region != region) {
                 // Neighbouring slices meet regions in the same order, but for corners that one of them
@@ -289,7 +289,7 @@ mod tests {
             let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + rotated_rad, Ring::WHOLE));
             let (Some(slice), Some(beside)) = slices else { return Ok(()) };
             let mut outline = Outline::default();
-            let crossings: Vec<_> = slice.crossings(SIZE, |_, _| None).collect();
+            let crossings: Vec<_> = slice.crossings(SIZE, |_, _| true).collect();
             for (crossing, (edge, along)) in crossings.iter().zip(&after) {
                 let [start, end] = slice.slopes(crossing);
                 outline.add(crossing.pixel, start, end);
@@ -302,7 +302,7 @@ mod tests {
             }
             let pieces = crossings.len().min(after.len());
             let (mut at, mut passed) = (0, 0.0);
-            outline.parts(&beside, rotated_rad, SIZE, |_, _| None, |part| {
+            outline.parts(&beside, rotated_rad, SIZE, |_, _| true, |part| {
                 assert!(at <= part.piece && part.piece < pieces, "{part:?} after {at}, of {pieces}");
                 assert!(part.area_per_rad > 0.0, "{part:?}");
                 (at, passed) = (part.piece, passed + part.area_per_rad);
@@ -333,7 +333,7 @@ mod tests {
                 let mut outline = Outline::default();
                 outline.start(4);
                 let mut of_piece = Vec::new();
-                for (crossing, along) in slice.crossings(SIZE, |_, _| None).zip(&after) {
+                for (crossing, along) in slice.crossings(SIZE, |_, _| true).zip(&after) {
                     if only_kept && !is_kept(crossing.pixel) {
                         continue;
                     }
@@ -345,7 +345,7 @@ mod tests {
                     of_piece.push(crossing.pixel);
                 }
                 let mut parts = Vec::new();
-                outline.parts(&beside, rotated_rad, SIZE, |_, _| None, |part| {
+                outline.parts(&beside, rotated_rad, SIZE, |_, _| true, |part| {
                     if is_kept(part.pixel) {
                         parts.push((of_piece[part.piece], part.pixel, part.area_per_rad));
                     }
