@@ -8,25 +8,24 @@ use crate::fog::beer_lambert::NOTHING_LEFT;
 use crate::math::fast_exp;
 use std::ops::Range;
 
-/// Optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Grey fog
-/// has one lane, other fog three.
+/// Optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DepthLine<const LANES: usize> {
+pub(super) struct DepthLine {
     pub(super) start: f64,
-    pub(super) at_start: [f64; LANES],
-    pub(super) per_reach: [f64; LANES],
+    pub(super) at_start: [f64; 3],
+    pub(super) per_reach: [f64; 3],
 }
 
-impl<const LANES: usize> DepthLine<LANES> {
+impl DepthLine {
     #[inline(always)]
     pub(super) fn new(start: f64) -> Self {
-        Self { start, at_start: [0.0; LANES], per_reach: [0.0; LANES] }
+        Self { start, at_start: [0.0; 3], per_reach: [0.0; 3] }
     }
 
     /// Adds a bank, by its metres at maximum density.
     #[inline(always)]
     pub(super) fn add(&mut self, sigma_t: Rgb, metres_at_start: f64, metres_per_reach: f64) {
-        for lane in 0..LANES {
+        for lane in 0..3 {
             self.at_start[lane] += sigma_t[lane] * metres_at_start;
             self.per_reach[lane] += sigma_t[lane] * metres_per_reach;
         }
@@ -43,7 +42,7 @@ impl<const LANES: usize> DepthLine<LANES> {
         if steepest * (range.end - range.start) > MOST_PIECES {
             return None;
         }
-        let mut sum = [0.0; LANES];
+        let mut sum = [0.0; 3];
         let add = |piece: &Piece, moments: &[f64; 8]| {
             let offset = piece.middle - self.start;
             for (lane, sum) in sum.iter_mut().enumerate() {
@@ -51,7 +50,7 @@ impl<const LANES: usize> DepthLine<LANES> {
             }
         };
         lit.for_each_piece(range, |_| steepest, add);
-        Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
+        Some(Rgb::from_array(sum))
     }
 
     /// Change of the depth per reach, in the channel where it is largest.

@@ -15,7 +15,7 @@ use crate::math::fast_exp;
 /// Fog on an interval of a ray.
 pub(super) struct DepthSeries<'a> {
     /// Optical depth without that of thinning fog from the start on and towards the light.
-    pub(super) even: DepthLine<3>,
+    pub(super) even: DepthLine,
     /// Scattering of the uniform fog, per metre and irradiance, 1/(m sr).
     pub(super) scattering: Rgb,
     pub(super) thinning: &'a [ThinningFog],

@@ -45,8 +45,8 @@ pub(super) struct SliceInterval<'a> {
 impl SliceInterval<'_> {
     /// Light scattered on its lit parts, where all fog is uniform.
     #[inline(always)]
-    pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
-        let (mut line, mut scattering) = (DepthLine::<LANES>::new(self.start), Rgb::ZERO);
+    pub(super) fn even(&self, lit: &Lit) -> Option<Rgb> {
+        let (mut line, mut scattering) = (DepthLine::new(self.start), Rgb::ZERO);
         for (profile, way) in self.banks.iter().zip(self.ways) {
             self.add_even(profile, way, &mut line, &mut scattering);
         }
@@ -58,7 +58,7 @@ impl SliceInterval<'_> {
 
     /// Light scattered on its lit parts, where some fog thins out.
     pub(super) fn thinning(&self, thinning: &mut Vec<ThinningFog>, lit: &Lit) -> Option<Rgb> {
-        let (mut even, mut scattering) = (DepthLine::<3>::new(self.start), Rgb::ZERO);
+        let (mut even, mut scattering) = (DepthLine::new(self.start), Rgb::ZERO);
         thinning.clear();
         let mut thinning_scatters = false;
         for (profile, way) in self.banks.iter().zip(self.ways) {
@@ -92,11 +92,11 @@ impl SliceInterval<'_> {
     /// Adds the optical depth of a uniform bank, to the eye and to the light together, and its scattering per
     /// metre.
     #[inline(always)]
-    fn add_even<const LANES: usize>(
+    fn add_even(
         &self,
         profile: &BankProfile,
         way: &Option<LightWay>,
-        line: &mut DepthLine<LANES>,
+        line: &mut DepthLine,
         scattering: &mut Rgb,
     ) {
         let (is_inside, mut at_start) = self.along_ray(profile);

@@ -37,8 +37,6 @@ pub struct FogSlice {
     breaks: Vec<f64>,
     /// The light's ways through all banks: one row before the first break, one after each.
     ways: Vec<Option<LightWay>>,
-    /// Whether all fog is grey.
-    is_grey: bool,
     /// Whether all fog is uniform.
     is_even: bool,
     /// Thinning fog of the current interval.
@@ -75,7 +73,6 @@ impl FogSlice {
 
     /// Computes the sections; `None` where a bank has none, or where heights are too large for doubles.
     fn find(&mut self, medium: &Medium, half_plane: &HalfPlane, slope: f64, cuts: &[Cut]) -> Option<()> {
-        self.is_grey = medium.banks().iter().all(|fog| fog.sigma_t == Rgb::splat(fog.sigma_t.x));
         self.banks.clear();
         for bank in medium.banks() {
             let add = |section| self.banks.push(BankProfile::new(bank, section));
@@ -136,7 +133,7 @@ impl FogSlice {
         shadows: (&IntervalSet, &IntervalSet),
     ) -> Option<Passage> {
         let irradiance = self.irradiance?;
-        let Self { banks, breaks, ways, is_grey, is_even, cells, thinning, .. } = self;
+        let Self { banks, breaks, ways, is_even, cells, thinning, .. } = self;
         let lit = Lit { cells, shadows: shadows.0, more_shadows: shadows.1 };
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
         let mut tau = Rgb::ZERO;
@@ -163,11 +160,7 @@ impl FogSlice {
             }
             let ways = &ways[row * banks.len()..][..banks.len()];
             let interval = SliceInterval { banks, ways, ray: planar, start, end };
-            scattered += match (*is_even, *is_grey) {
-                (true, true) => interval.even::<1>(&lit)?,
-                (true, false) => interval.even::<3>(&lit)?,
-                (false, _) => interval.thinning(thinning, &lit)?,
-            };
+            scattered += if *is_even { interval.even(&lit)? } else { interval.thinning(thinning, &lit)? };
             start = end;
         }
         // In full shadow rounding may leave a small value of either sign.
