@@ -63,12 +63,6 @@ pub struct Film {
     mattes: Vec<MatteList>,
 }
 
-/// Zeros in memory that was written once. Otherwise the first addition would fault twice a page: for a shared
-/// page of zeros on the read, then for a page of its own on the write.
-fn written_zeros(count: usize) -> Vec<PixelSum> {
-    std::iter::repeat_n(std::hint::black_box(PixelSum::default()), count).collect()
-}
-
 impl Film {
     /// Creates an empty film for `window` of a picture of size `full`. Other passes take no memory.
     pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
@@ -91,8 +85,8 @@ impl Film {
         Self {
             full,
             window,
-            weights: written_zeros(pixels),
-            sums: written_zeros(pixels * passes.mean_channels()),
+            weights: vec![PixelSum::default(); pixels],
+            sums: vec![PixelSum::default(); pixels * passes.mean_channels()],
             fresh: vec![Default::default(); pixels],
             fog: vec![[0.0; 4]; if passes.fog { pixels } else { 0 }],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
