@@ -3,7 +3,7 @@
 
 use super::{
     simd::{Lanes, Mask, Simd, WIDTH, each_lane, three},
-    wide_tree::{LEAF, Node, WideTree, plane},
+    wide_tree::{LEAF, Node, Stack, WideTree, plane},
 };
 
 /// A ray in single precision, prepared for boxes that are padded against rounding. The origin is moved
@@ -81,7 +81,7 @@ impl<L: Lanes> BoxRay<L> {
         simd: S,
         tree: &WideTree,
         mut t_far: f32,
-        stack: &mut Vec<Entry>,
+        stack: &mut Stack<Entry>,
         visitor: &mut impl LeafVisitor<S>,
     ) -> bool {
         let Some(root) = tree.root else { return false };
@@ -132,12 +132,12 @@ pub(super) trait LeafVisitor<S: Simd> {
     fn expect(&self, _simd: S, _child: u32) {}
 
     /// Visits a leaf and may shorten `t_far`; returns whether the query is over.
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<Entry>, t_far: &mut f32) -> bool;
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack<Entry>, t_far: &mut f32) -> bool;
 }
 
 /// Returns the nearest of the children that are hit; pushes the others onto the stack, the farthest first.
 #[inline(always)]
-fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Vec<Entry>) -> u32 {
+fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Stack<Entry>) -> u32 {
     let first = hits.trailing_zeros() as usize;
     hits &= hits - 1;
     if hits == 0 {

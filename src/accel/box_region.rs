@@ -7,7 +7,7 @@ use super::{
     light_plane::Functional,
     simd::{Lanes, Mask, Simd, each_lane, three},
     triangle_cut::Corners,
-    wide_tree::{self, Bounds, LEAF, Node, WideTree, plane},
+    wide_tree::{self, Bounds, LEAF, Node, Stack, WideTree, plane},
 };
 
 /// An affine function in single precision.
@@ -112,8 +112,8 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
         &self,
         simd: S,
         tree: &WideTree,
-        stack: &mut Vec<u32>,
-        visit: impl FnMut(u32, &mut Vec<u32>),
+        stack: &mut Stack<u32>,
+        visit: impl FnMut(u32, &mut Stack<u32>),
     ) {
         self.visit_expected_leaves(simd, tree, stack, |_| {}, visit);
     }
@@ -124,9 +124,9 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
         &self,
         simd: S,
         tree: &WideTree,
-        stack: &mut Vec<u32>,
+        stack: &mut Stack<u32>,
         expect: impl Fn(u32),
-        mut visit: impl FnMut(u32, &mut Vec<u32>),
+        mut visit: impl FnMut(u32, &mut Stack<u32>),
     ) {
         let Some(root) = tree.root else { return };
         let base = stack.len();

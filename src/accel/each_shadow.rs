@@ -9,7 +9,7 @@ use super::{
     shadow_query::shadowing,
     simd::Portable,
     triangle_cut::Crossing,
-    wide_tree::STACK,
+    wide_tree::Stack,
 };
 use glam::DVec3;
 
@@ -28,7 +28,7 @@ pub struct TriangleShadow {
 pub(super) fn add_each_shadow(instances: Instances, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
     let Instances { tree, list } = instances;
     let region = shadowing(Portable, &plane.functions, plane.t_range);
-    let stack = &mut Vec::with_capacity(STACK);
+    let stack = &mut Stack::new();
     region.visit_leaves(Portable, tree, stack, |leaf, stack| {
         let instance = &list[leaf as usize];
         let functions = plane.functions.pulled_back(&instance.relative_from_mesh);

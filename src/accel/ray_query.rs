@@ -13,7 +13,7 @@ use super::{
     rounding::{round_down, round_up},
     shear::Shear,
     simd::{Kernel, Lanes, Simd},
-    wide_tree::{LEAF, STACK, padding},
+    wide_tree::{LEAF, Stack, padding},
 };
 use crate::math::Ray;
 use glam::DVec3;
@@ -43,7 +43,7 @@ impl Kernel for Trace<'_> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) -> Option<Hit> {
         let Self { instances, ray, t_max, .. } = self;
-        let mut stack = Vec::with_capacity(STACK);
+        let mut stack = Stack::new();
         let padding = padding(ray.origin.abs().max_element()) as f32;
         let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
         let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
@@ -64,7 +64,7 @@ impl<S: Simd> LeafVisitor<S> for Trace<'_> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Vec<Entry>, t_far: &mut f32) -> bool {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack<Entry>, t_far: &mut f32) -> bool {
         let instance = &self.instances.list[leaf as usize];
         let mesh = &*instance.mesh;
         let mesh_from_relative = instance.mesh_from_relative();
@@ -137,7 +137,7 @@ struct MeshQuery<'a, 'b, L> {
 
 impl<S: Simd> LeafVisitor<S> for MeshQuery<'_, '_, S::Lanes> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: u32, _: &mut Vec<Entry>, t_far: &mut f32) -> bool {
+    fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack<Entry>, t_far: &mut f32) -> bool {
         let block = &self.mesh.blocks[leaf as usize];
         let t_limit = simd.splat(*t_far + self.slack as f32);
         let mut hits = self.shear.candidates(simd, block, self.t_min, t_limit);

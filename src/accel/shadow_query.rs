@@ -8,7 +8,7 @@ use super::{
     light_plane::{Functional, LightPlane, PlaneFunctions},
     simd::{Kernel, Lanes, Mask, Simd, each_lane},
     triangle_cut::{Crossing, Shadow},
-    wide_tree::STACK,
+    wide_tree::Stack,
 };
 use crate::math::IntervalSet;
 use glam::DVec3;
@@ -45,7 +45,7 @@ impl Kernel for AddShadows<'_> {
             return;
         }
         let box_region = shadowing(simd, &plane.functions, plane.t_range);
-        let stack = &mut Vec::with_capacity(STACK);
+        let stack = &mut Stack::new();
         box_region.visit_leaves(
             simd,
             tree,
@@ -61,7 +61,7 @@ fn add_of_instance<S: Simd>(
     simd: S,
     instance: &Instance,
     plane: &LightPlane,
-    stack: &mut Vec<u32>,
+    stack: &mut Stack<u32>,
     shadows: &mut IntervalSet,
 ) {
     let mesh = &*instance.mesh;

@@ -10,7 +10,7 @@ use super::{
     light_plane::Functional,
     simd::{Kernel, Mask, Simd, each_lane},
     triangle_cut::Crossing,
-    wide_tree::STACK,
+    wide_tree::Stack,
 };
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -67,7 +67,7 @@ impl Kernel for AddCuts<'_> {
         let above = height.plus(-half_plane.lowest_slope, &reach);
         let region = Region { out_of_plane, reach, height, above };
         let limits = region.limits(simd);
-        let stack = &mut Vec::with_capacity(STACK);
+        let stack = &mut Stack::new();
         limits.visit_expected_leaves(
             simd,
             tree,
@@ -125,7 +125,7 @@ fn add_of_instance<S: Simd>(
     simd: S,
     instance: &Instance,
     region: &Region,
-    stack: &mut Vec<u32>,
+    stack: &mut Stack<u32>,
     cuts: &mut Vec<Cut>,
 ) {
     let mesh = &*instance.mesh;

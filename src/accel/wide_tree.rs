@@ -9,13 +9,14 @@ use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use smallvec::SmallVec;
 use std::ops::RangeInclusive;
 
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Children on a query's stack for which memory is kept: seven for each of eighteen levels.
-pub(super) const STACK: usize = 128;
+/// Children that a query has still to visit. Seven for each of eighteen levels take no memory of the heap.
+pub(super) type Stack<Child> = SmallVec<[Child; 128]>;
 
 /// Padding of nodes' boxes, in roundings of their largest coordinate. Queries add as much for their own
 /// numbers. For a ray, shearing moves a vertex by at most 6 (two differences, a product, a quotient), and the
