@@ -2,9 +2,9 @@
 //! coefficients. Invariant: scaling removes as much extinction as scattering.
 //!
 //! Harmonics up to l = 2 cannot separate light scattered nearly straight ahead from unscattered light. Where
-//! all orders are computed, such light counts as unscattered (delta-M, Wiscombe 1977). Light of suns and
-//! lamps has a direction: what is within its forward peak still travels as their own, and the first
-//! scattering of a sun's has degrees up to l = 5. Where orders are counted, every scattering counts.
+//! all orders are computed, such light counts as unscattered (delta-M, Wiscombe 1977). A sun's light has a
+//! direction, so its first scattering has degrees up to l = 5; light within its forward peak still travels as
+//! the sun's own. Where orders are counted, every scattering counts.
 
 use crate::color::Rgb;
 use crate::fog::{BEAM_DEGREES, FogBank, Medium};
@@ -21,8 +21,9 @@ pub(crate) struct FogCoefficients {
     pub(crate) extinction: Rgb,
     /// Scattering coefficient of each degree.
     pub(crate) scattering: [Rgb; DEGREES as usize],
-    /// Coefficients for the first scattering of light of suns and lamps, without its forward peak.
+    /// Coefficients for the first scattering of a sun's light, and those of its forward peak.
     pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
+    pub(crate) first_peak: Rgb,
     /// Emission in each direction, W m^-3 sr^-1.
     pub(crate) emission: Rgb,
 }
@@ -35,6 +36,7 @@ impl FogCoefficients {
         for (sum, value) in sums.zip(other.scattering.iter().chain(&other.first_scattering)) {
             *sum += share * *value;
         }
+        self.first_peak += share * other.first_peak;
         self.emission += share * other.emission;
     }
 }
@@ -52,8 +54,8 @@ pub(crate) struct DeltaScaledFog<'a> {
     pub(crate) eye: DVec3,
     /// Medium with the extinction of light between orders.
     pub(crate) dimming: Medium,
-    /// Medium with the extinction of a sun's or of a lamp's light before its first collision.
-    pub(crate) dimming_of_beams: Medium,
+    /// Medium with the extinction of a sun's light before its first collision.
+    dimming_of_suns: Medium,
     is_delta_scaled: bool,
 }
 
@@ -66,9 +68,14 @@ impl<'a> DeltaScaledFog<'a> {
             medium,
             eye,
             dimming: without(DEGREES),
-            dimming_of_beams: without(BEAM_DEGREES),
+            dimming_of_suns: without(BEAM_DEGREES),
             is_delta_scaled,
         }
+    }
+
+    /// Medium with the extinction of a sun's or of a lamp's light before its first collision.
+    pub(crate) fn dimming_of(&self, is_of_sun: bool) -> &Medium {
+        if is_of_sun { &self.dimming_of_suns } else { self.medium }
     }
 
     /// Whether some fog emits.
@@ -85,6 +92,7 @@ impl<'a> DeltaScaledFog<'a> {
             extinction: self.dimming.extinction_at(point),
             scattering: std::array::from_fn(|degree| of_degrees[degree] - of_orders),
             first_scattering: of_degrees.map(|of_degree| of_degree - first_peak),
+            first_peak,
             emission: self.medium.emission_at(point),
         }
     }

@@ -24,7 +24,7 @@ pub(crate) struct PowerRay {
     pub(crate) power: Rgb,
     /// Optical depths before its origin: delta-scaled, and of all fog.
     pub(crate) depths: [Rgb; 2],
-    /// Whether it is a sun's; a lamp's light has no single direction.
+    /// Whether it is a sun's, whose forward peak is kept apart; a lamp's light has no single direction.
     pub(crate) is_of_sun: bool,
     /// Extent of the lamp, which gives the share of the power at a place.
     pub(crate) shape: LampShape,
@@ -75,7 +75,7 @@ impl Emitters<'_> {
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);
                 let origin = relative + start * to_light;
-                let depths = [&self.fog.dimming_of_beams, &self.snapshot.medium].map(|medium| {
+                let depths = [self.fog.dimming_of(true), &self.snapshot.medium].map(|medium| {
                     medium.rough_optical_depth(&Ray { origin, direction: to_light }, f64::INFINITY)
                 });
                 let ray = Ray { origin, direction: -to_light };

@@ -3,7 +3,7 @@
 
 use super::delta_scaled_fog::{DeltaScaledFog, scatters_ahead};
 use super::emitter_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
-use super::fluence::{Fluence, ForwardPeak, Origin};
+use super::fluence::{Fluence, ForwardPeak};
 use super::leaf_index::LeafIndex;
 use super::leaf_power::{self, LeafHit, LeafPower};
 use super::surface_optics::{cover_of, optics_of};
@@ -29,11 +29,6 @@ const CHUNKS: usize = 8;
 /// Distance from a leaf, in cells, at which its scattered light begins. Its area is spread as far to either
 /// side, and its lit side must not light the other.
 const AWAY: f64 = 0.8;
-
-/// Distance from a lamp, in cells, within which its forward peak does not grow.
-const NEAR_LAMP: f64 = 0.25;
-/// Irradiance from all sides, over its moment of degree 0: the root of 4 pi.
-const EVEN: f32 = 3.544_907_8;
 
 /// Collisions of a group of rays.
 struct Left {
@@ -85,10 +80,10 @@ impl FirstCollisions<'_> {
                     add_on_leaves(&groups, &mut found);
                     self.add_sun(-to_light, &groups, &per_volume, &mut found);
                 }
-                FrozenLight::Point { position, .. } => {
+                FrozenLight::Point { .. } => {
                     let groups = self.followed(&of_lamp(light));
                     add_on_leaves(&groups, &mut found);
-                    self.add_lamp(position, &groups, &per_volume, &mut found);
+                    self.add_lamp(&groups, &per_volume, &mut found.sources);
                 }
             }
         }
@@ -124,39 +119,33 @@ impl FirstCollisions<'_> {
         groups.collect()
     }
 
-    fn add_lamp(&self, position: DVec3, groups: &[Left], per_volume: &[f32], found: &mut Found) {
-        let grid = self.cut.grid;
-        let mut all = vec![0.0; per_volume.len()];
+    fn add_lamp(&self, groups: &[Left], per_volume: &[f32], sources: &mut Moments) {
         for Left { fluence, scattered, .. } in groups {
             for channel in 0..3 {
+                let peaks = &self.medium.first_peak[channel];
                 for (index, degree) in DEGREE.into_iter().enumerate() {
                     let shares = &self.medium.first_scattering[channel][degree];
-                    let into = found.sources.channel_mut(channel, index);
+                    let into = sources.channel_mut(channel, index);
                     for (node, value) in fluence.of(channel, index).enumerate() {
-                        into[node] += per_volume[node] * shares[node] * value;
+                        into[node] += per_volume[node] * (shares[node] + peaks[node]) * value;
                     }
                 }
-                let fluence = fluence.of(channel, 0).zip(per_volume);
-                all.iter_mut().zip(fluence).for_each(|(all, (value, per))| *all += EVEN * value * per);
             }
-            found.sources.add_nodes(scattered, 1.0);
-        }
-        if self.snapshot.medium.banks().iter().any(scatters_ahead) {
-            let place = self.snapshot.world_from_relative(position);
-            let origin = Origin::Lamp(place, NEAR_LAMP * grid.cell_m);
-            let irradiance = |node: usize| all[node] * origin.at(grid.position(node)).1 as f32;
-            let fluences = groups.iter().map(|left| &left.fluence);
-            found.forward_peaks.push(ForwardPeak::of(origin, fluences, per_volume, irradiance));
+            sources.add_nodes(scattered, 1.0);
         }
     }
 
     fn add_sun(&self, travel: DVec3, groups: &[Left], per_volume: &[f32], found: &mut Found) {
         let count = self.cut.grid.count();
         let mut irradiance = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
+        let mut peak = vec![[0.0; 3]; count];
         for Left { fluence, scattered, .. } in groups {
             for channel in 0..3 {
                 for (node, value) in fluence.of(channel, 0).enumerate() {
                     irradiance[channel][node] += per_volume[node] * value;
+                }
+                for (node, value) in fluence.peak(channel).enumerate() {
+                    peak[node][channel] += per_volume[node] * value;
                 }
             }
             found.sources.add_nodes(scattered, 1.0);
@@ -178,8 +167,8 @@ impl FirstCollisions<'_> {
             found.beams.push(BeamSource::new(travel, &irradiance, &self.medium.first_scattering));
         }
         let all = |node: usize| irradiance.iter().map(|channel| channel[node]).sum();
-        let fluences = groups.iter().map(|left| &left.fluence);
-        found.forward_peaks.push(ForwardPeak::of(Origin::Sun(travel), fluences, per_volume, all));
+        let times = peak.iter().enumerate().map(|(node, peak)| mean_times(peak.iter().sum(), all(node)));
+        found.forward_peaks.push(ForwardPeak { travel, times: times.collect(), irradiance: peak });
     }
 
     /// Inverse of the volume that each node represents, 1/m^3: walls cut pieces off cells.
@@ -250,7 +239,7 @@ impl FirstCollisions<'_> {
         let (enter, leave) = self.inside(ray);
         let is_inside = (enter - self.cut.grid.cell_m..=leave + self.cut.grid.cell_m).contains(&t);
         if is_inside && !self.are_walls.contains(&point.primitive) {
-            let dimming = &self.fog.dimming_of_beams;
+            let dimming = self.fog.dimming_of(from.is_of_sun);
             let fog = exp_minus(from.depths[0] + dimming.rough_optical_depth(ray, t));
             self.land(point, from.shape.share(point.position) * power * fog * cover_of(point), left);
         }
@@ -279,7 +268,7 @@ impl FirstCollisions<'_> {
         if start >= end || self.snapshot.medium.is_empty() {
             return;
         }
-        let media = [&self.fog.dimming_of_beams, &self.snapshot.medium];
+        let media = [self.fog.dimming_of(*is_of_sun), &self.snapshot.medium];
         let mut left = [0, 1]
             .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
@@ -295,8 +284,7 @@ impl FirstCollisions<'_> {
                 here
             });
             let length = length * shape.share_in_fog(ray.at(middle));
-            let distance = if *is_of_sun { 1.0 } else { middle };
-            let (amount, peak) = (length * here[0], distance * length * (here[0] - here[1]));
+            let (amount, peak) = (length * here[0], length * (here[0] - here[1]));
             if self.cut.occluders.are_near(node) {
                 let place = in_world.at(middle);
                 let corners = self.cut.occluders.cell_of(self.cut.grid, place);
@@ -381,4 +369,12 @@ fn add_on_leaves(groups: &[Left], found: &mut Found) {
         let sums = found.met_again.as_flattened_mut().iter_mut();
         sums.zip(left.met_again.as_flattened()).for_each(|(sum, value)| *sum += value);
     }
+}
+
+/// Mean number of scatterings of light that was scattered at least once, where `peak` of `all` was: a Poisson
+/// process (van de Hulst 1980, "Multiple Light Scattering").
+pub(crate) fn mean_times(peak: f32, all: f32) -> f32 {
+    let share = if all > 0.0 { (peak / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
+    let depth = -(1.0 - share).ln();
+    if depth > 1e-3 { depth / share } else { 1.0 }
 }

@@ -26,9 +26,11 @@ const LEAST_SIDES: f32 = 0.02;
 /// Leaves and fog in the cells of a grid.
 pub(crate) struct TurbidMedium {
     pub(crate) cross_sections: CrossSections,
-    /// Coefficients for the first scattering of light of suns and lamps in fog: 1/m, by channel, degree and
-    /// node. They lack the forward peak, as if it were not scattered.
+    /// Coefficients for the first scattering of suns' light in fog: 1/m, by channel, degree and node.
     pub(crate) first_scattering: [[Vec<f32>; FIRST_DEGREES]; 3],
+    /// Coefficient of the forward peak, which `first_scattering` lacks at each degree, as if it were not
+    /// scattered.
+    pub(crate) first_peak: [Vec<f32>; 3],
     /// Leaf area of each node that has leaves.
     leaves: Vec<LeafArea>,
     /// Nodes with emissive fog, and the fog's emission in each direction, W m^-3 sr^-1.
@@ -40,9 +42,11 @@ impl TurbidMedium {
     /// Medium of fog and surfels, which stay on their side of walls.
     pub(crate) fn new(cut: CutGrid, fog: &DeltaScaledFog, surfels: &Surfels, bounces: Bounces) -> Self {
         let count = cut.grid.count();
+        let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut medium = Self {
             cross_sections: CrossSections::zero(count),
             first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
+            first_peak: channels(),
             fog_emission: Vec::new(),
             leaves: Vec::new(),
             clumping: Clumping::of(cut.grid, surfels, bounces),
@@ -74,6 +78,7 @@ impl TurbidMedium {
                 for (degree, first) in mean.first_scattering.iter().enumerate() {
                     self.first_scattering[channel][degree][node] = first[channel] as f32;
                 }
+                self.first_peak[channel][node] = mean.first_peak[channel] as f32;
             }
             if mean.emission != Rgb::ZERO {
                 self.fog_emission.push((node, mean.emission));

@@ -99,7 +99,7 @@ impl Field {
         self.levels.first().map_or(by_itself, |level| level.in_clump(clump, by_itself, sent))
     }
 
-    /// Calls back with the forward peak of each sun and lamp at a place in world space.
+    /// Calls back with the forward peak of each sun at a place in world space.
     pub(super) fn for_each_peak(&self, world: DVec3, mut tell: impl FnMut(Peak)) {
         match self.at(world) {
             Some(Finest::Grid(level)) => level.peaks(world).for_each(&mut tell),

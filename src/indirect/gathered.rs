@@ -13,7 +13,7 @@ pub(super) struct Gathered {
     pub(super) moments: [[f32; COUNT]; 3],
     /// Moments of degree 4.
     pub(super) fourth: [[f32; COUNT]; 3],
-    /// Forward peak of each sun and lamp.
+    /// Forward peak of each sun.
     pub(super) peaks: Vec<Peak>,
     pub(super) clump: Clump,
 }
@@ -30,7 +30,7 @@ pub(super) struct BothSides {
     peaks: Peaks,
 }
 
-/// Forward peaks of all suns and lamps. Most scenes have one sun, which needs no list.
+/// Forward peaks of all suns. Most scenes have one sun, which needs no list.
 enum Peaks {
     One(BothPeaks),
     Several(Box<[BothPeaks]>),
@@ -50,7 +50,7 @@ struct Codes {
     codes: [[i16; COUNT]; 2],
 }
 
-/// Forward peak of a sun or lamp at both sides.
+/// Forward peak of a sun at both sides.
 struct BothPeaks {
     travel: [f32; 3],
     irradiances: [[f32; 3]; 2],

@@ -202,7 +202,7 @@ impl Level {
         let irradiance = on_faces().unwrap_or_else(|| {
             product(&lobe.of_travel(), &self.light.low.mean(&lit)) + self.beyond(&lit, lobe)
         });
-        let peaks = self.forward_peaks.iter().map(|peak| peak.about(&corners, world).beam());
+        let peaks = self.forward_peaks.iter().map(|peak| peak.about(&corners).beam());
         with_peaks(irradiance, peaks, lobe)
     }
 
@@ -223,7 +223,7 @@ impl Level {
             Gathered {
                 moments: self.light.low.mean(corners),
                 fourth: self.light.fourth.mean(corners),
-                peaks: self.forward_peaks.iter().map(|peak| peak.about(corners, leaf.position)).collect(),
+                peaks: self.forward_peaks.iter().map(|peak| peak.about(corners)).collect(),
                 clump: self.clumps.of_leaf(clump, leaf, unmet[side].all()),
             }
         });
@@ -259,10 +259,10 @@ impl Level {
             + of(lobe.of_fourth_of_travel(), Some(&self.light.fourth))
     }
 
-    /// Forward peaks of suns and lamps at a place in world space.
+    /// Forward peaks of suns at a place in world space.
     pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
         let corners = self.corners_seen_from(world);
-        self.forward_peaks.iter().map(move |peak| peak.about(&corners, world))
+        self.forward_peaks.iter().map(move |peak| peak.about(&corners))
     }
 
     /// Radiance that fog at a place of the grid scatters into a direction of travel, from coefficients by

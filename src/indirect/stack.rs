@@ -3,7 +3,8 @@
 
 use super::ground::Ground;
 use crate::canopy::emitter_rays::mean_irradiance;
-use crate::canopy::fluence::{Peak, mean_times};
+use crate::canopy::first_collisions::mean_times;
+use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
 use crate::fog::{BEAM_DEGREES, Medium, exp_minus};
 use crate::ordinates::{Beam, DEGREES, Level, Species, Stack};

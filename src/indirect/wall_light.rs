@@ -193,7 +193,7 @@ impl WallLight<'_> {
         }
         let origin = square.middle + self.off_wall(patch);
         let (direction, distance, _) = point.arriving_at(origin);
-        (to_light, unshadowed * self.reaching(&Ray { origin, direction }, distance, primitive))
+        (to_light, unshadowed * self.reaching(point, &Ray { origin, direction }, distance, primitive))
     }
 
     /// Share of a square's light that leaves the gap between it and an emissive surface, and the share that
@@ -224,12 +224,12 @@ impl WallLight<'_> {
     }
 
     /// Share of a light that arrives along a ray from a distance.
-    fn reaching(&self, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
+    fn reaching(&self, light: &FrozenLight, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
         let visible = self.snapshot.visibility(ray, distance, Some(from));
         if visible == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        let dimming = &self.fog.dimming_of_beams;
+        let dimming = self.fog.dimming_of(matches!(light, FrozenLight::Sun { .. }));
         visible * exp_minus(dimming.rough_optical_depth(ray, distance))
     }
 }

@@ -281,25 +281,6 @@ def spot() -> str:
     )
 
 
-def headlights() -> str:
-    """Two spots towards the camera, through leaves in mist that scatters ahead."""
-    lamp = "target_m: ({}, 0.45, 6.0), outer_deg: 28.0, blend: 0.6, intensity_w_per_sr: (120.0, 110.0, 90.0), radius_m: 0.07"
-    return scene(
-        "Constant(radiance_w_per_m2_sr: (0.002, 0.003, 0.006))",
-        meshes={**BASE["meshes"], "ground": "Quad(size_m: 80.0)"},
-        lights={f"lamp {x}": f"Spot(position_m: ({x}, 0.7, -5.0), {lamp.format(0.6 * x)})" for x in (-0.7, 0.7)},
-        cameras={"main": "(position_m: (1.9, 1.4, 6.5), look_at_m: (-0.2, 1.0, -3.0), fov_deg: 45.0)"},
-        fog={"mist": "(scale_height_m: 2.5, density_per_m: 0.1, anisotropy: 0.8)"},
-    )
-
-
-def glass() -> str:
-    """The room with a pane of coloured glass in its window."""
-    pane = block((2.05, 1, -0.7), (2.06, 2.4, 0.7), "glass")
-    text = room(materials={**BASE["materials"], "glass": "(base_color: 0.02, filter_color: (0.9, 0.7, 0.4))"})
-    return text.replace("objects: {", f'objects: {{ "pane": {pane},')
-
-
 def dome() -> str:
     """Leaves that close over snow, with a gap towards the sky."""
     return scene(
@@ -369,8 +350,6 @@ SCENES = {
     "tunnel": tunnel,
     "spot": spot,
     "dome": dome,
-    "headlights": headlights,
-    "glass": glass,
     "sun in the sky": sun_sky,
     **{f"lamp {mm} mm": lambda mm=mm: lamp_room(mm / 1000) for mm in (100, 10, 1)},
     **{f"dense {density}": lambda density=density: dense(density) for density in (0.5, 2, 5, 30)},
