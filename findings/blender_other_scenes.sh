@@ -7,7 +7,8 @@
 # material that are keyed from 0 to 1 over frames 1 to 11 have 0, 0.5 and 1, at whatever frame *cut* is. A leaf is where
 # it is at that frame as well. By `animation=True` the frames are those of *cut*. The picture has the name
 # that it was asked for, and nothing is said.
-# Remedy: `bpy.context.window.scene = cut` before, or `animation=True` with its `frame_start` and `frame_end` at the frame.
+# Remedy: `with bpy.context.temp_override(scene=cut)` about it, `bpy.context.window.scene = cut` before, or
+# `animation=True` with `frame_start` and `frame_end` at the frame.
 # Versions: bpy 5.3.0 with numpy 2.5.5; bpy 5.0.1 has the same (PyPI). Source: measured here;
 # https://docs.blender.org/api/current/bpy.ops.render.html (render: scene to render, if not specified current scene)
 # Needs python3.13 with venv. Ends with 1 if it has changed.

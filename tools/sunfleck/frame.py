@@ -48,9 +48,11 @@ class Passes(dict[str, Pass]):
 
     def __missing__(self, name: str) -> Pass:
         wanted = str(name).replace("_", "-")
+        if wanted in self:
+            return self[wanted]
         if not self:
             raise KeyError(f"the frame holds no pass: take a channel by its name, frame[NAME], of {', '.join(self._channels)}")
-        if wanted in passes.PASSES and wanted not in self:
+        if wanted in passes.PASSES:
             raise KeyError(f"the frame holds {', '.join(self)} and no {wanted}: render it with passes=['{wanted}']")
         raise KeyError(f"a frame has no {name}: its passes are {', '.join(self)}")
 

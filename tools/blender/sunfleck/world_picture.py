@@ -104,7 +104,9 @@ def render(world, frame, target, view=View()):
         file.file_format, file.color_mode, file.color_depth = "OPEN_EXR", "RGB", "32"
         cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = view.samples, False, False
         cycles.pixel_filter_type = "BOX"
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        # By its name alone a scene is rendered at the frame of the window's.
+        with bpy.context.temp_override(scene=scene):
+            bpy.ops.render.render(write_still=True)
         in_rec709(target)
     finally:
         bpy.data.objects.remove(eye)

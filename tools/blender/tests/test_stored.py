@@ -18,6 +18,7 @@ from sunfleck import check, command, export, extras, stored, world, world_pictur
 from sunfleck.engine import passes
 from sunfleck.evaluated import scenes as scenes_of_export
 from sunfleck.evaluated import walk
+from sunfleck.evaluated.capture import own_materials
 from sunfleck.evaluated.document import Document
 from sunfleck.frames import NUMBERED
 from sunfleck.losses import Finding
@@ -29,6 +30,20 @@ def light(kind):
     lamp = bpy.data.objects.new("lamp", data)
     bpy.context.scene.collection.objects.link(lamp)
     return lamp
+
+
+class Slots(Case):
+    def test_things_that_share_a_mesh_have_their_own_materials_in_their_own_slots(self):
+        red = bpy.data.materials.new("red")
+        mesh = scenes.quad(self.scene, "quad", 1.0, None).data
+        for _ in range(2):
+            mesh.materials.append(bpy.data.materials.new("leaf"))
+        things = [bpy.data.objects.new(name, mesh) for name in ("first", "second")]
+        for index, thing in enumerate(things):
+            self.scene.collection.objects.link(thing)
+            thing.material_slots[index].link, thing.material_slots[index].material = "OBJECT", red
+        keys = [own_materials(thing.evaluated_get(bpy.context.evaluated_depsgraph_get())) for thing in things]
+        self.assertEqual(keys, [((0, "red"),), ((1, "red"),)])
 
 
 class Left(Case):

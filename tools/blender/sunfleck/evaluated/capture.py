@@ -222,9 +222,9 @@ def cannot_change(original, data):
 
 
 def own_materials(thing):
-    """Materials of slots that are linked to the object."""
-    own = (material_in(slot, thing, index) for index, slot in enumerate(thing.material_slots) if slot.link == "OBJECT")
-    return tuple(material.name_full if material else "" for material in own)
+    """Numbers and materials of slots that are linked to the object."""
+    own = ((index, material_in(slot, thing, index)) for index, slot in enumerate(thing.material_slots) if slot.link == "OBJECT")
+    return tuple((index, material.name_full if material else "") for index, material in own)
 
 
 def materials_of(thing, data):
