@@ -13,12 +13,13 @@ const NONE: f64 = 1e-6;
 /// Optics of leaf area spread over cells along a sheet, with its leaf area index as coverage. Light meets
 /// some of it several times, and the sheet once.
 pub(super) fn spread(sheet: &SurfaceOptics) -> SurfaceOptics {
-    let reflected = sheet.cover * sheet.reflectance;
     let passing = sheet.cover * sheet.through() + (1.0 - sheet.cover);
+    let passing = passing.clamp(Rgb::splat(LEAST_PASSING), Rgb::ONE);
+    let reflected = (sheet.cover * sheet.reflectance).min(Rgb::ONE - passing);
     let by_channel = [0, 1, 2].map(|channel| depths(reflected[channel], passing[channel]));
     let [all, back] = [0, 1].map(|which| Rgb::from_array(by_channel.map(|depths| depths[which])));
     let index = all.max_element();
-    if index == 0.0 {
+    if index < NONE {
         return *sheet;
     }
     let [kept, of_sheet] = [(all - back) / index, (Rgb::ONE - reflected - passing).max(Rgb::splat(NONE))];
@@ -35,8 +36,6 @@ pub(super) fn spread(sheet: &SurfaceOptics) -> SurfaceOptics {
 /// two-flux theory (Kubelka 1948, "New contributions to the optics of intensely light-scattering materials",
 /// part I): `a = (1 + R^2 - T^2) / 2 R`, `b = sqrt(a^2 - 1)`, `b S X = artanh(b R / (1 - a R))`.
 fn depths(reflected: f64, passing: f64) -> [f64; 2] {
-    let passing = passing.clamp(LEAST_PASSING, 1.0);
-    let reflected = reflected.min(1.0 - passing);
     if reflected < NONE {
         return [-passing.ln(), 0.0];
     }

@@ -34,16 +34,23 @@ pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
     let share = point.alpha / cover;
     SurfaceOptics {
         reflectance: share * reflectance(point),
-        transmittance: share * (point.transmission + of_dielectric(point)[1]),
+        transmittance: share * transmittance(point),
         emission: share * point.emission,
-        straight: (point.see_through + (cover - 1.0)) / cover,
+        straight: (passing(point) + (cover - 1.0)) / cover,
         cover,
     }
 }
 
 /// Coverage at a point.
 pub(crate) fn cover_of(point: &SurfacePoint) -> f64 {
-    (1.0 - point.see_through.min_element()).clamp(LEAST_COVER * point.alpha, 1.0)
+    (1.0 - passing(point).min_element()).clamp(LEAST_COVER * point.alpha, 1.0)
+}
+
+/// Share of light that passes straight through: no more than what is not scattered, as a pane of clear glass
+/// reflects some of it.
+fn passing(point: &SurfacePoint) -> Rgb {
+    let scattered = point.alpha * (reflectance(point) + transmittance(point));
+    point.see_through.min((Rgb::ONE - scattered).max(Rgb::ZERO))
 }
 
 /// Reflectance of all lobes together: specular reflection counts as Lambertian.
@@ -52,6 +59,10 @@ pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
     let coat = gloss.map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
     let beneath = point.albedo * gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(COS));
     (beneath + coat + point.mirror + of_dielectric(point)[0]).clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+fn transmittance(point: &SurfacePoint) -> Rgb {
+    point.transmission + of_dielectric(point)[1]
 }
 
 /// Reflectance and transmittance of a dielectric.

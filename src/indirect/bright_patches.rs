@@ -19,7 +19,8 @@ use std::f64::consts::FRAC_1_PI;
 const BRIGHT: f64 = 16.0;
 /// Share of a patch's light that other patches get, below which less of it goes by rays.
 const FACING: f64 = 0.1;
-/// Minimum share of the light of all patches that goes by rays: with less, all goes along ordinates.
+/// Minimum share of the light of all patches that goes by rays: with less, all goes along ordinates. From
+/// twice that share on nothing is taken back, so that nothing jumps.
 const LEAST_BY_RAYS: f64 = 1e-3;
 /// Minimum component of a bright patch's normal along an axis of the grid. An oblique wall has more or fewer
 /// patches than areas of a cell, so its light goes along ordinates.
@@ -84,12 +85,14 @@ impl WallLight<'_> {
         }
         let targets = || (0..sent.len()).into_par_iter().map(|number| self.open_target(number, lit));
         let places: Vec<Place> = targets().map(|target| (target.middle, target.patch.normal)).collect();
-        let senders: Vec<Sender> =
+        let mut senders: Vec<Sender> =
             bright.into_par_iter().filter_map(|sent| self.sender(sent, lit, &places)).collect();
         let by_rays: f64 = senders.iter().map(|sender| luminance(sender.radiance)).sum();
-        if by_rays <= LEAST_BY_RAYS * all_sent {
+        let much = (by_rays / (LEAST_BY_RAYS * all_sent) - 1.0).min(1.0);
+        if much <= 0.0 {
             return None;
         }
+        senders.iter_mut().for_each(|sender| sender.scale(much));
         let mut radiances = vec![Rgb::ZERO; sent.len()];
         senders.iter().for_each(|sender| radiances[sender.number] = sender.radiance);
         let irradiances = targets().map(|target| self.by_senders(&senders, &target)).collect();

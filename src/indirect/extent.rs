@@ -150,11 +150,15 @@ fn resolved(snapshot: &Snapshot, [fog, leaves, lamps]: [Option<Bounds>; 3], leaf
     (leaf_m == 0.0 || fine_m(bounds) < COARSEST * leaf_cell_m).then_some(bounds)
 }
 
-/// Maximum size of a leaf beside all things; beside fog, where too few are so small. So ground of some metres
-/// is no leaf of wide fog.
+/// Maximum size of a leaf beside all things; beside fog, unless most that is small beside it is small beside
+/// things as well. So ground of some metres is no leaf of wide fog.
 fn widest_leaf_m(surroundings: &Surroundings, [things, fog]: [Option<Bounds>; 2]) -> f64 {
     let [things, fog] = [things, fog].map(|bounds| SMALL * bounds.map_or(0.0, diagonal));
-    if surroundings.leaf_width_m(things, FEW_LEAVES) > 0.0 { things } else { things.max(fog) }
+    if things >= fog {
+        return things;
+    }
+    let [among_things, in_fog] = [things, fog].map(|widest_m| surroundings.boxes(widest_m).len());
+    if among_things >= FEW_LEAVES && 2 * among_things > in_fog { things } else { fog }
 }
 
 /// Width of leaves in their bounds. What a grid about these has as a wall is none, if others are.

@@ -244,7 +244,7 @@ impl Builder<'_> {
 }
 
 impl<'a> Builder<'a> {
-    /// Kinds, names and extras of the scene's nodes, and of all that nodes refer to.
+    /// Kinds, names and extras of the scene's nodes, and of all that nodes may refer to.
     fn owners(&self) -> Vec<(&'static str, &'a str, &'a Value)> {
         let source = self.source;
         let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
