@@ -119,7 +119,7 @@ class Said(Case):
             warnings = export.export(scene, self.folder / "scene.glb", only)
             self.assertEqual(any("material-changes" in warning for warning in warnings), is_told)
 
-    def test_environments_of_squares_and_moved_ones_are_baked(self):
+    def test_environments_of_squares_in_srgb_and_moved_ones_are_baked(self):
         scene = kinds.stage()
         scene.world = bpy.data.worlds.new("world")
         scene.world.use_nodes = True
@@ -127,6 +127,8 @@ class Said(Case):
         node = tree.nodes.new("ShaderNodeTexEnvironment")
         node.image = bpy.data.images.new("sky", 8, 4)
         tree.links.new(node.outputs["Color"], next(one for one in tree.nodes if one.type == "BACKGROUND").inputs["Color"])
+        self.assertFalse(world.is_plain(scene))
+        node.image.colorspace_settings.name = "Non-Color"
         self.assertTrue(world.is_plain(scene))
         node.interpolation = "Closest"
         self.assertFalse(world.is_plain(scene))
